@@ -1,0 +1,2 @@
+//! The program `impasto`.
+fn main() {}

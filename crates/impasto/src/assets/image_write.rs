@@ -1,0 +1,1 @@
+//! Texels and numbers to files: PNG, OpenEXR, NPY.

@@ -1,0 +1,122 @@
+//! Triangle meshes, valid by construction.
+//!
+//! Readers fill a [`RawMesh`] with whatever the file says; [`RawMesh::mend`] turns it into a [`Mesh`] that every later
+//! stage can trust: indices in range, all positions finite, attribute lengths agree, normals are there.
+
+use crate::assets::{Element, Field};
+use crate::math::{Bounds, Vec2, Vec3, Vec4};
+use std::ops::Range;
+
+/// One layout of the surface in the texture plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UvSet {
+    /// As the file names it, or `uv0`, `uv1` ...
+    pub name: String,
+    /// One a vertex; v down (the first row of the image is at v = 0).
+    pub uv: Vec<Vec2>,
+}
+
+/// A run of triangles with one material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// As the file names it.
+    pub name: String,
+    /// Which of the mesh's triangles.
+    pub triangles: Range<u32>,
+    /// Index into the scene's materials; none gets the default.
+    pub material: Option<u32>,
+}
+
+/// A mesh as a file describes it, possibly broken. All attribute vectors are empty or one entry a vertex.
+#[derive(Clone, Debug, Default)]
+pub struct RawMesh {
+    /// Model units.
+    pub positions: Vec<Vec3>,
+    /// Corners, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Empty, or one a vertex; any length.
+    pub normals: Vec<Vec3>,
+    /// xyz: along +u; w: sign of the bitangent (MikkTSpace). Empty, or one a vertex.
+    pub tangents: Vec<Vec4>,
+    /// Linear colour and alpha. Empty, or one a vertex.
+    pub colors: Vec<Vec4>,
+    /// Any number of layouts.
+    pub uv_sets: Vec<UvSet>,
+    /// Data.
+    pub fields: Vec<Field>,
+    /// Runs that cover all triangles in order; empty: one run without a material.
+    pub parts: Vec<Part>,
+    /// For each vertex, which of the file's points it came from (readers split points at seams); empty: itself.
+    pub source_points: Vec<u32>,
+    /// For each triangle, which of the file's polygons it came from; empty: itself.
+    pub source_faces: Vec<u32>,
+}
+
+/// A triangle mesh that later stages can trust. Immutable; made by [`RawMesh::mend`].
+///
+/// Every index is in range, every position and normal finite, every normal a unit vector, every attribute has one entry
+/// a vertex (fields: one an element), no triangle repeats a corner, parts cover the triangles in order.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    pub(super) raw: RawMesh,
+    pub(super) bounds: Option<Bounds>,
+}
+
+impl Mesh {
+    /// One a vertex, model units.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.raw.positions
+    }
+    /// Corners, counter-clockwise seen from the front.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.raw.triangles
+    }
+    /// Unit vectors, one a vertex.
+    pub fn normals(&self) -> &[Vec3] {
+        &self.raw.normals
+    }
+    /// One a vertex, or empty: xyz unit along +u, w the bitangent's sign.
+    pub fn tangents(&self) -> &[Vec4] {
+        &self.raw.tangents
+    }
+    /// Linear colour and alpha, one a vertex, or empty.
+    pub fn colors(&self) -> &[Vec4] {
+        &self.raw.colors
+    }
+    /// Layouts in the texture plane.
+    pub fn uv_sets(&self) -> &[UvSet] {
+        &self.raw.uv_sets
+    }
+    /// Data on the surface.
+    pub fn fields(&self) -> &[Field] {
+        &self.raw.fields
+    }
+    /// Runs of triangles by material; they cover all triangles in order.
+    pub fn parts(&self) -> &[Part] {
+        &self.raw.parts
+    }
+    /// For each vertex, which of the file's points it came from; empty: itself.
+    pub fn source_points(&self) -> &[u32] {
+        &self.raw.source_points
+    }
+    /// For each triangle, which of the file's polygons it came from; empty: itself.
+    pub fn source_faces(&self) -> &[u32] {
+        &self.raw.source_faces
+    }
+    /// The box around all positions.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds.unwrap_or(Bounds::EMPTY)
+    }
+    /// The raw form, for a change and another [`RawMesh::mend`].
+    pub fn into_raw(self) -> RawMesh {
+        self.raw
+    }
+    /// How many elements of a kind there are.
+    pub fn n_elements(&self, element: Element) -> usize {
+        match element {
+            Element::Vertex => self.raw.positions.len(),
+            Element::Face => self.raw.triangles.len(),
+            Element::Corner => self.raw.triangles.len() * 3,
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Colour words: linear light with Rec. 709 primaries inside, sRGB bytes at the edges (IEC 61966-2-1).
+
+use crate::math::exact;
+use std::sync::LazyLock;
+
+/// Linear light, Rec. 709 primaries; 1.0 is white paper.
+pub type LinearRgb = [f32; 3];
+
+/// Linear light and straight (not premultiplied) opacity.
+pub type LinearRgba = [f32; 4];
+
+/// How stored numbers stand for light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// The sRGB transfer curve: photographs, colour textures.
+    Srgb,
+    /// Numbers are proportional to what they mean: data, normals, roughness, float images.
+    Linear,
+}
+
+/// sRGB value in [0, 1] to linear light, exact to f64 before rounding.
+pub fn linear_from_srgb(x: f64) -> f64 {
+    if x <= 0.04045 { x / 12.92 } else { exact::pow((x + 0.055) / 1.055, 2.4) }
+}
+
+/// Linear light in [0, 1] to an sRGB value, exact to f64 before rounding.
+pub fn srgb_from_linear(x: f64) -> f64 {
+    if x <= 0.0031308 { x * 12.92 } else { 1.055 * exact::pow(x, 1.0 / 2.4) - 0.055 }
+}
+
+/// Linear light of every sRGB byte.
+pub static LINEAR_FROM_SRGB8: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|i| linear_from_srgb(i as f64 / 255.0) as f32));
+
+/// For each sRGB byte but the first: the least linear value that rounds to it.
+static SRGB8_THRESHOLDS: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|i| if i == 0 { f32::NEG_INFINITY } else { linear_from_srgb((i as f64 - 0.5) / 255.0) as f32 })
+});
+
+/// For every top-of-float bucket, the byte of its lower end: see [`srgb8_from_linear`].
+static SRGB8_BUCKETS: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    (FIRST_BUCKET..=LAST_BUCKET)
+        .map(|b| {
+            let low = f32::from_bits(b << BUCKET_SHIFT);
+            SRGB8_THRESHOLDS.partition_point(|t| *t <= low) as u8 - 1
+        })
+        .collect()
+});
+const BUCKET_SHIFT: u32 = 16;
+const FIRST_BUCKET: u32 = 0x3900_0000 >> BUCKET_SHIFT; // 2^-13, below half the first threshold
+const LAST_BUCKET: u32 = 0x3f80_0000 >> BUCKET_SHIFT; // 1.0
+
+/// Linear light to the nearest sRGB byte, exactly rounded; NaN and negatives give 0.
+///
+/// A float's upper bits pick a bucket narrower than any step of the code, so that at most one comparison decides.
+#[inline]
+pub fn srgb8_from_linear(x: f32) -> u8 {
+    Srgb8Encoder::new().encode(x)
+}
+
+/// The tables of [`srgb8_from_linear`], borrowed once for many values.
+#[derive(Clone, Copy)]
+pub struct Srgb8Encoder {
+    thresholds: &'static [f32; 256],
+    buckets: &'static [u8],
+}
+
+impl Srgb8Encoder {
+    /// Borrows the tables, making them on first use.
+    #[expect(clippy::new_without_default, reason = "not a value with a neutral state, a borrow")]
+    pub fn new() -> Self {
+        Self { thresholds: &SRGB8_THRESHOLDS, buckets: &SRGB8_BUCKETS }
+    }
+
+    /// The nearest sRGB byte.
+    #[inline(always)]
+    pub fn encode(&self, x: f32) -> u8 {
+        const LOW: f32 = 1.0 / 8192.0;
+        let x = if x > LOW { x } else { LOW };
+        let x = if x < 1.0 { x } else { 1.0 };
+        let byte = self.buckets[((x.to_bits() >> BUCKET_SHIFT) - FIRST_BUCKET) as usize];
+        let next = self.thresholds[(byte as usize + 1).min(255)];
+        byte + (byte < 255 && x >= next) as u8
+    }
+}
+
+/// A number in [0, 1] to the nearest of 256 steps; NaN gives 0.
+#[inline(always)]
+pub fn unorm8(x: f32) -> u8 {
+    let x = if x > 0.0 { x } else { 0.0 };
+    let x = if x < 1.0 { x } else { 1.0 };
+    (x * 255.0 + 0.5) as u8
+}
+
+/// How bright a linear colour is (Rec. 709 luminance).
+#[inline(always)]
+pub fn luminance(c: LinearRgb) -> f32 {
+    0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]
+}
+
+/// A linear colour from sRGB bytes.
+pub fn linear_from_bytes(srgb: [u8; 3]) -> LinearRgb {
+    srgb.map(|b| LINEAR_FROM_SRGB8[b as usize])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_srgb_byte_survives_the_round_trip() {
+        for b in 0..=255u8 {
+            assert_eq!(srgb8_from_linear(LINEAR_FROM_SRGB8[b as usize]), b);
+        }
+    }
+
+    #[test]
+    fn encoding_rounds_exactly() {
+        for i in 0..200_000 {
+            let x = i as f32 / 199_999.0;
+            let truth = (srgb_from_linear(x as f64) * 255.0 + 0.5).floor() as u8;
+            let got = srgb8_from_linear(x);
+            // At a threshold's own rounding either neighbour is right.
+            let nearest = (srgb_from_linear(x as f64) * 255.0 - got as f64).abs();
+            assert!(got == truth || nearest < 0.50001, "{x}: {got} not {truth}");
+        }
+        assert_eq!(srgb8_from_linear(f32::NAN), 0);
+        assert_eq!(srgb8_from_linear(-1.0), 0);
+        assert_eq!(srgb8_from_linear(7.0), 255);
+    }
+}

@@ -1,0 +1,256 @@
+//! Words everyone uses: vectors, sizes, rays, frames, and elementary functions that give the same bits everywhere.
+//!
+//! The platform's `sin`, `pow` and `exp` differ between systems, so nothing that reaches a picture may call them. Set-up
+//! code uses the f64 functions re-exported in [`exact`]; per-pixel code the f32 polynomials [`exp2`], [`log2`], [`pow`].
+
+pub use glam::{DVec2, DVec3, IVec2, Mat3, Mat4, UVec2, Vec2, Vec3, Vec4, vec2, vec3, vec4};
+
+/// How many cells a batch holds at most: shading runs as short passes over this many numbers at a time.
+pub const BATCH: usize = 256;
+
+/// One number for each cell of a batch. Entries past the batch's count are stale and must not matter.
+pub type Lane = [f32; BATCH];
+
+/// Width and height of a grid of cells: pixels or texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct Size {
+    /// Cells in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl Size {
+    /// A grid of `width` x `height` cells.
+    pub const fn new(width: u32, height: u32) -> Self {
+        Self { width, height }
+    }
+
+    /// How many cells there are.
+    pub const fn n_cells(self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Width over height.
+    pub fn aspect(self) -> f32 {
+        self.width as f32 / self.height as f32
+    }
+}
+
+impl std::fmt::Display for Size {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+/// A half line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it starts.
+    pub origin: Vec3,
+    /// Where it goes; need not be a unit vector.
+    pub direction: Vec3,
+}
+
+/// An axis-aligned box; empty when `min > max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Smallest coordinates.
+    pub min: Vec3,
+    /// Largest coordinates.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// Holds nothing.
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    /// The smallest box around `points`.
+    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// Whether it holds no point at all.
+    pub fn is_empty(&self) -> bool {
+        !(self.min.x <= self.max.x && self.min.y <= self.max.y && self.min.z <= self.max.z)
+    }
+
+    /// The point in its middle; the origin for an empty box.
+    pub fn center(&self) -> Vec3 {
+        if self.is_empty() { Vec3::ZERO } else { (self.min + self.max) * 0.5 }
+    }
+
+    /// Edge lengths; zero for an empty box.
+    pub fn extent(&self) -> Vec3 {
+        if self.is_empty() { Vec3::ZERO } else { self.max - self.min }
+    }
+
+    /// Half the diagonal.
+    pub fn radius(&self) -> f32 {
+        self.extent().length() * 0.5
+    }
+
+    /// The eight corners.
+    pub fn corners(&self) -> [Vec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |bit: usize, lo: f32, hi: f32| if i >> bit & 1 == 0 { lo } else { hi };
+            vec3(pick(0, self.min.x, self.max.x), pick(1, self.min.y, self.max.y), pick(2, self.min.z, self.max.z))
+        })
+    }
+}
+
+/// How a camera's view volume is shaped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Lines of sight meet in the eye.
+    Perspective {
+        /// Full vertical field of view, radians.
+        fov_y: f32,
+    },
+    /// Lines of sight are parallel.
+    Orthographic {
+        /// Height of the view, model units.
+        height: f32,
+    },
+}
+
+/// A right-handed orthonormal basis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// First axis.
+    pub tangent: Vec3,
+    /// Second axis.
+    pub bitangent: Vec3,
+    /// Third axis.
+    pub normal: Vec3,
+}
+
+impl Frame {
+    /// Some frame about a unit normal, continuous but at -Z (Duff et al., "Building an Orthonormal Basis, Revisited", 2017).
+    pub fn about(normal: Vec3) -> Self {
+        let sign = if normal.z >= 0.0 { 1.0 } else { -1.0 };
+        let a = -1.0 / (sign + normal.z);
+        let b = normal.x * normal.y * a;
+        Self {
+            tangent: vec3(1.0 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x),
+            bitangent: vec3(b, sign + normal.y * normal.y * a, -normal.y),
+            normal,
+        }
+    }
+}
+
+/// `v` as a unit vector, or `fallback` when it is too short or not finite. Plain `* / sqrt`, the same bits everywhere.
+#[inline(always)]
+pub fn unit_or(v: Vec3, fallback: Vec3) -> Vec3 {
+    let squared = v.x * v.x + v.y * v.y + v.z * v.z;
+    if squared > 1e-30 && squared < f32::INFINITY { v * (1.0 / squared.sqrt()) } else { fallback }
+}
+
+/// Elementary functions in f64 for set-up code: written in Rust, the same bits everywhere (crate `libm`).
+pub mod exact {
+    pub use libm::{acos, asin, atan, atan2, cbrt, cos, exp, exp2, log, log2, log10, pow, sin, tan};
+}
+
+/// Base-2 exponential, relative error below 3e-7 for results in the normal range; saturates outside of it.
+#[inline(always)]
+pub fn exp2(x: f32) -> f32 {
+    let x = if x < -126.0 { -126.0 } else { x };
+    let x = if x > 126.999 { 126.999 } else { x };
+    // Split into an integer and a fraction in [-0.5, 0.5]: adding 1.5 * 2^23 rounds to the nearest integer.
+    let rounded = (x + 12582912.0) - 12582912.0;
+    let f = x - rounded;
+    let p = 1.540353e-4_f32;
+    let p = p * f + 1.333356e-3;
+    let p = p * f + 9.618129e-3;
+    let p = p * f + 5.550411e-2;
+    let p = p * f + 2.402265e-1;
+    let p = p * f + 6.931472e-1;
+    let p = p * f + 1.0;
+    let scale = f32::from_bits(((rounded as i32 + 127) as u32) << 23);
+    p * scale
+}
+
+/// Base-2 logarithm of a positive number, absolute error below 2e-7 near 1, relative 2e-7 elsewhere; -127 for zero and below.
+#[inline(always)]
+pub fn log2(x: f32) -> f32 {
+    let x = if x > f32::MIN_POSITIVE { x } else { f32::MIN_POSITIVE * 0.5 };
+    let bits = x.to_bits();
+    // Mantissa in [sqrt(1/2), sqrt(2)): the offset moves the split there.
+    let shifted = bits.wrapping_sub(0x3f35_04f3);
+    let exponent = (shifted as i32) >> 23;
+    let m = f32::from_bits(bits.wrapping_sub((exponent as u32) << 23));
+    // log2(m) = 2/ln 2 * atanh((m-1)/(m+1)), |s| < 0.1716.
+    let s = (m - 1.0) / (m + 1.0);
+    let z = s * s;
+    let p = 0.412_198_6_f32;
+    let p = p * z + 0.577_078_04;
+    let p = p * z + 0.961_796_7;
+    let p = p * z + 2.885_39;
+    exponent as f32 + s * p
+}
+
+/// `x` to the power of `y` for x >= 0; 0 for x <= 0. Relative error below 1e-5 for |y| up to 64.
+#[inline(always)]
+pub fn pow(x: f32, y: f32) -> f32 {
+    if x <= 0.0 { 0.0 } else { exp2(y * log2(x)) }
+}
+
+/// The largest integer not above `x`, for |x| below 2^31; faster than the library's without SSE4.1.
+#[inline(always)]
+pub fn floor(x: f32) -> f32 {
+    let t = x as i32 as f32;
+    if t > x { t - 1.0 } else { t }
+}
+
+/// Mixes an integer thoroughly: all output bits depend on all input bits (Wellons' lowbias32).
+#[inline(always)]
+pub const fn hash(x: u32) -> u32 {
+    let x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+    let x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+/// A hash of a lattice cell and a seed, the only source of randomness in the engine.
+#[inline(always)]
+pub const fn hash_cell(x: i32, y: i32, z: i32, seed: u32) -> u32 {
+    hash(x as u32 ^ hash(y as u32 ^ hash(z as u32 ^ hash(seed))))
+}
+
+/// A hash's upper 24 bits as a number in [0, 1).
+#[inline(always)]
+pub const fn unit_float(hash: u32) -> f32 {
+    (hash >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exp2_and_log2_are_close_to_the_truth() {
+        for i in -2000..2000 {
+            let x = i as f32 * 0.05;
+            let truth = exact::exp2(x as f64);
+            assert!(((exp2(x) as f64 - truth) / truth).abs() < 4e-7, "exp2({x}) = {} not {truth}", exp2(x));
+        }
+        for i in 1..20000 {
+            let x = i as f32 * 0.01;
+            let truth = exact::log2(x as f64);
+            assert!(
+                (log2(x) as f64 - truth).abs() < 6e-7 * truth.abs().max(1.0),
+                "log2({x}) = {} not {truth}",
+                log2(x)
+            );
+        }
+    }
+
+    #[test]
+    fn frames_are_orthonormal_everywhere() {
+        for i in 0..1000 {
+            let f = |s| unit_float(hash_cell(i, 0, 0, s)) * 2.0 - 1.0;
+            let frame = Frame::about(unit_or(vec3(f(1), f(2), f(3)), Vec3::Z));
+            assert!(frame.tangent.dot(frame.normal).abs() < 1e-5 && frame.bitangent.dot(frame.normal).abs() < 1e-5);
+            assert!((frame.tangent.cross(frame.bitangent) - frame.normal).length() < 1e-5);
+        }
+    }
+}
