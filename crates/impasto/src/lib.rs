@@ -10,9 +10,9 @@ pub mod par;
 
 pub mod assets;
 // pub mod samples;
-pub mod placement;
-// pub mod visibility;
 pub mod lookup;
+pub mod placement;
+pub mod visibility;
 // pub mod picture;
 // pub mod recipe;
 
