@@ -3,7 +3,7 @@
 //! The platform's `sin`, `pow` and `exp` differ between systems, so nothing that reaches a picture may call them. Set-up
 //! code uses the f64 functions re-exported in [`exact`]; per-pixel code the f32 polynomials [`exp2`], [`log2`], [`pow`].
 
-pub use glam::{DVec2, DVec3, IVec2, Mat3, Mat4, UVec2, Vec2, Vec3, Vec4, vec2, vec3, vec4};
+pub use glam::{DVec2, DVec3, DVec4, IVec2, Mat3, Mat4, UVec2, Vec2, Vec3, Vec4, vec2, vec3, vec4};
 
 /// How many cells a batch holds at most: shading runs as short passes over this many numbers at a time.
 pub const BATCH: usize = 256;

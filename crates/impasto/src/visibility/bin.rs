@@ -5,7 +5,7 @@
 
 use super::tile::{Draw, Faces, Kind, Samples, TILE, n_tiles};
 use super::{Domain, domain::Map};
-use crate::math::Vec4;
+use crate::math::{DVec4, Vec4};
 use crate::par::Workers;
 
 /// Cells from the grid's origin within which triangles need no clipping; products of differences then fit 64 bits.
@@ -33,7 +33,7 @@ pub(super) struct Record {
 struct Snapped {
     /// In 1/256 of a cell, or `OUTSIDE` when the vertex must be clipped.
     x: i32,
-    /// In 1/256 of a cell, or the outcode when the vertex must be clipped.
+    /// In 1/256 of a cell.
     y: i32,
     depth: f32,
 }
@@ -101,12 +101,12 @@ impl Bins {
                 Map::Camera { cells_from_world: m } => {
                     for (v, &p) in out.iter_mut().zip(&domain.mesh.positions()[first..]) {
                         let c = ((m.x_axis * p.x + m.y_axis * p.y) + m.z_axis * p.z) + m.w_axis;
-                        *v = snap(c, domain.near, domain);
+                        *v = snap(c, domain.near);
                     }
                 }
                 Map::Atlas { .. } => {
                     for (i, v) in out.iter_mut().enumerate() {
-                        *v = snap(domain.corner((first + i) as u32), domain.near, domain);
+                        *v = snap(domain.corner((first + i) as u32), domain.near);
                     }
                 }
             }
@@ -137,17 +137,23 @@ impl Bins {
     }
 }
 
-/// To fixed point, rounded to nearest; vertices behind the near plane or beyond the guard band keep their outcode instead.
+/// To fixed point, rounded to nearest; vertices behind the near plane or beyond the guard band are marked.
 #[inline(always)]
-fn snap(c: Vec4, near: f32, domain: &Domain) -> Snapped {
+fn snap(c: Vec4, near: f32) -> Snapped {
     let limit = GUARD * c.w;
     // All comparisons are false for NaN, which then counts as outside.
     if c.w > near && c.x > -limit && c.x < limit && c.y > -limit && c.y < limit {
         let r = 1.0 / c.w;
         Snapped { x: fixed(c.x * r), y: fixed(c.y * r), depth: c.z * r }
     } else {
-        Snapped { x: OUTSIDE, y: outcode(c, near, domain), depth: 0.0 }
+        Snapped { x: OUTSIDE, y: 0, depth: 0.0 }
     }
+}
+
+/// A point made by clipping to fixed point; rounding may have left it a trifle outside.
+fn snap_cut(c: DVec4) -> Snapped {
+    let at = |v: f64| ((v / c.w).clamp(-GUARD as f64, GUARD as f64) * STEPS as f64).round_ties_even() as i32;
+    Snapped { x: at(c.x), y: at(c.y), depth: (c.z / c.w) as f32 }
 }
 
 /// Cells to 1/256 of a cell, for |cells| <= 16384.
@@ -157,9 +163,9 @@ fn fixed(cells: f32) -> i32 {
     ((cells * STEPS as f32 + 12_582_912.0) - 12_582_912.0) as i32
 }
 
-fn outcode(c: Vec4, near: f32, domain: &Domain) -> i32 {
-    let (w, h) = (domain.size.width as f32 * c.w, domain.size.height as f32 * c.w);
-    // Not `<=` on the other side: NaN must not count as inside anything.
+/// On which sides of the grid a point lies outside, one bit a side.
+fn outcode(c: DVec4, near: f64, domain: &Domain) -> i32 {
+    let (w, h) = (domain.size.width as f64 * c.w, domain.size.height as f64 * c.w);
     let outside = [c.x < 0.0, c.x > w, c.y < 0.0, c.y > h, c.w <= near];
     outside.iter().enumerate().map(|(bit, &o)| (o as i32) << bit).sum()
 }
@@ -222,22 +228,23 @@ impl Binner<'_> {
     /// A triangle with a corner behind the eye or far outside: what remains of it within the guard band, as a fan.
     #[cold]
     fn clipped(&self, corners: [u32; 3], v: [Snapped; 3], id: u32, faces: Faces, lists: &mut [Vec<Record>]) {
-        let homogeneous = corners.map(|i| self.domain.corner(i));
+        // In f64: between a corner far before and one far behind the eye little of an f32 would be left.
+        let homogeneous = corners.map(|i| self.domain.corner_f64(i));
         if homogeneous.iter().any(|c| !c.is_finite()) {
             return;
         }
-        let near = self.domain.near;
+        let near = self.domain.near as f64;
         let codes = homogeneous.map(|c| outcode(c, near, self.domain));
         if codes[0] & codes[1] & codes[2] != 0 {
             return;
         }
-        // Signed distances to the planes; slightly inside of the limits, so that what is left passes `snap`.
-        let g = GUARD * 0.999;
-        let inner_near = if near > 0.0 { near * 1.0001 } else { 1e-6 };
-        let planes: [&dyn Fn(Vec4) -> f32; 5] =
-            [&|c| c.w - inner_near, &|c| g * c.w + c.x, &|c| g * c.w - c.x, &|c| g * c.w + c.y, &|c| g * c.w - c.y];
+        // Signed distances to the planes.
+        let g = GUARD as f64;
+        let nearest = if near > 0.0 { near } else { 1e-6 };
+        let planes: [&dyn Fn(DVec4) -> f64; 5] =
+            [&|c| c.w - nearest, &|c| g * c.w + c.x, &|c| g * c.w - c.x, &|c| g * c.w + c.y, &|c| g * c.w - c.y];
         // Each corner carries whether it is an original vertex, whose snapped place must be kept.
-        let mut polygon: Vec<(Vec4, Option<Snapped>)> =
+        let mut polygon: Vec<(DVec4, Option<Snapped>)> =
             (0..3).map(|k| (homogeneous[k], (v[k].x != OUTSIDE).then_some(v[k]))).collect();
         for plane in planes {
             let mut kept = Vec::with_capacity(8);
@@ -256,12 +263,9 @@ impl Binner<'_> {
             }
             polygon = kept;
         }
-        let fan: Vec<Snapped> = polygon.iter().map(|(c, s)| s.unwrap_or_else(|| snap(*c, near, self.domain))).collect();
+        let fan: Vec<Snapped> = polygon.iter().map(|(c, original)| original.unwrap_or_else(|| snap_cut(*c))).collect();
         for k in 2..fan.len() {
-            let t = [fan[0], fan[k - 1], fan[k]];
-            if t.iter().all(|v| v.x != OUTSIDE) {
-                self.triangle(t, id, faces, lists);
-            }
+            self.triangle([fan[0], fan[k - 1], fan[k]], id, faces, lists);
         }
     }
 }

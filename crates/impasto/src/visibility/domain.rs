@@ -1,7 +1,7 @@
 //! The two directions: from a mesh's vertices to a grid of cells, through a camera or over an atlas.
 
 use crate::assets::Mesh;
-use crate::math::{Mat4, Size, Vec2, Vec3, Vec4, vec4};
+use crate::math::{DVec4, Mat4, Size, Vec2, Vec3, Vec4, vec4};
 use crate::placement::Viewpoint;
 use crate::visibility::Camera;
 
@@ -54,6 +54,18 @@ impl<'a> Domain<'a> {
                 let t = uv[vertex as usize];
                 vec4(t.x * self.size.width as f32, t.y * self.size.height as f32, 1.0, 1.0)
             }
+        }
+    }
+
+    /// The same in f64, for clipping.
+    pub(crate) fn corner_f64(&self, vertex: u32) -> DVec4 {
+        match &self.map {
+            Map::Camera { cells_from_world } => {
+                let p = self.mesh.positions()[vertex as usize].as_dvec3();
+                let m = cells_from_world.as_dmat4();
+                ((m.x_axis * p.x + m.y_axis * p.y) + m.z_axis * p.z) + m.w_axis
+            }
+            Map::Atlas { .. } => self.corner(vertex).as_dvec4(),
         }
     }
 }

@@ -37,11 +37,13 @@ pub struct InfoBuffer {
 
 impl InfoBuffer {
     /// Sorts and rasterizes a view's triangles.
+    ///
+    /// `test` makes an alpha test for each thread; draws of [`Kind::Tested`](super::Kind::Tested) are solid without one.
     pub fn build<'t>(
         domain: &Domain,
         draws: &[Draw],
         samples: Samples,
-        test: Option<&AlphaTest>,
+        test: Option<&(dyn Fn() -> Box<AlphaTest<'t>> + Sync)>,
         workers: &Workers,
     ) -> Self {
         let mut sorted = Tiles::default();

@@ -194,7 +194,7 @@ impl Tiles {
             return;
         }
         let origin = tile.origin;
-        dispatch!(workers.level(), simd => 
+        dispatch!(workers.level(), simd =>
             raster::nearest(simd, &solid, offsets, origin, test.as_deref_mut(), &mut tile.solid));
         while !layered.is_empty() && layered.iter().any(|l| !l.is_empty()) {
             if tile.n_layers == MAX_LAYERS {
