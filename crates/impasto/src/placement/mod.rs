@@ -8,7 +8,9 @@ pub mod footprint;
 mod number;
 mod rules;
 pub mod source;
+mod split;
 pub mod surfels;
+pub mod tangents;
 #[cfg(test)]
 mod tests;
 pub mod two_part;
@@ -17,4 +19,5 @@ pub use evaluate::{place, place_per_vertex, triplanar};
 pub use footprint::Footprint;
 pub use source::{Direction, FieldAxis, Placement, PositionUnit, Projector, Space, as_uv, needs};
 pub use surfels::{Needs, Surfels, TexCoords, Viewpoint};
+pub use tangents::{CornerTangents, tangents, with_tangents};
 pub use two_part::{Intermediate, ObjectRay, TwoPart};
