@@ -13,7 +13,7 @@ pub mod assets;
 pub mod placement;
 // pub mod visibility;
 pub mod lookup;
-// pub mod picture;
+pub mod picture;
 // pub mod recipe;
 
 pub use error::{Error, Report, Result};
