@@ -8,8 +8,12 @@ pub mod color;
 pub mod par;
 pub mod error;
 
+pub mod noise;
+
 pub mod assets;
-// pub mod samples;
+
+pub mod samples;
+
 pub mod placement;
 pub mod visibility;
 pub mod lookup;
