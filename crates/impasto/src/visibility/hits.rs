@@ -6,7 +6,7 @@
 
 use super::Domain;
 use super::tile::TILE;
-use crate::math::{BATCH, Lane, Vec2, Vec3};
+use crate::math::{BATCH, Each, Lane, Vec2, Vec3};
 use crate::placement::{Needs, Surfels};
 use fearless_simd::{f32x8, i32x8, prelude::*, u32x8};
 
@@ -60,34 +60,34 @@ pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: [i32; 2], su
     weights(simd, surfels, &mut sum);
     let mesh = domain.mesh;
     for (i, run) in runs.iter().enumerate() {
-        let pick = |lanes: &[Lane; 3]| lanes.each_ref().map(|l| l[i]);
+        let pick = |lanes: &[Lane; 3]| lanes.each_ref().each(|l| l[i]);
         let slopes = [pick(&set_ups.a), pick(&set_ups.b)];
         let c = mesh.triangles()[run.triangle as usize];
         if needs.derivatives {
             derivatives(simd, run, slopes, surfels, &sum);
         }
         if needs.normal {
-            let n = c.map(|i| mesh.normals()[i as usize].to_array());
+            let n = c.each(|i| mesh.normals()[i as usize].to_array());
             interpolate(simd, run, &surfels.barycentric, n, &mut surfels.normal);
         }
         if needs.position {
-            let p = c.map(|i| mesh.positions()[i as usize].to_array());
+            let p = c.each(|i| mesh.positions()[i as usize].to_array());
             interpolate(simd, run, &surfels.barycentric, p, &mut surfels.position);
         }
         let mut sets = needs.uv_sets;
         while sets != 0 {
             let set = sets.trailing_zeros() as usize;
             sets &= sets - 1;
-            uv(simd, run, set, c.map(|i| mesh.uv_sets()[set].uv[i as usize]), slopes, surfels, &sum);
+            uv(simd, run, set, c.each(|i| mesh.uv_sets()[set].uv[i as usize]), slopes, surfels, &sum);
         }
         if needs.tangent {
-            let t = c.map(|i| mesh.tangents()[i as usize].to_array());
+            let t = c.each(|i| mesh.tangents()[i as usize].to_array());
             interpolate(simd, run, &surfels.barycentric, t, &mut surfels.tangent);
             // The sign is a corner's, not a mixture: all three agree where the layout is not mirrored.
             surfels.tangent[3][run.start as usize..run.end as usize].fill(if t[0][3] < 0.0 { -1.0 } else { 1.0 });
         }
         if needs.color {
-            let v = c.map(|i| mesh.colors()[i as usize].to_array());
+            let v = c.each(|i| mesh.colors()[i as usize].to_array());
             interpolate(simd, run, &surfels.barycentric, v, &mut surfels.color);
         }
     }
@@ -196,7 +196,7 @@ fn edges<S: Simd>(simd: S, place: [i32; 2], runs: &[Run], set_ups: &SetUps, surf
     for (i, run) in runs.iter().enumerate() {
         let splat = |lane: &Lane| f32x8::splat(simd, lane[i]);
         let (a, b, c) =
-            (set_ups.a.each_ref().map(splat), set_ups.b.each_ref().map(splat), set_ups.c.each_ref().map(splat));
+            (set_ups.a.each_ref().each(splat), set_ups.b.each_ref().each(splat), set_ups.c.each_ref().each(splat));
         for at in run.vectors() {
             let local = |k: usize| {
                 let cell = u32x8::from_slice(simd, &surfels.cell[k][at..at + N]) & u32x8::splat(simd, TILE as u32 - 1);
