@@ -7,7 +7,7 @@
 use crate::assets::{AlphaMode, Mesh, Part};
 use crate::color::LinearRgba;
 use crate::lookup::{self, Looks, Points, Shading, Surfaces};
-use crate::math::{BATCH, Lane};
+use crate::math::{BATCH, Lane, kernel};
 use crate::par::Workers;
 use crate::picture::{self, Lighting};
 use crate::placement::{Needs, Surfels};
@@ -264,7 +264,10 @@ impl<'a> Shader<'a> {
         for y in 0..extent[1] {
             for x in (0..extent[0]).step_by(LANES) {
                 let cell = y * TILE + x;
-                let ids = |s: usize| u32x8::from_slice(simd, &layer.ids[s * TILE * TILE + cell..][..LANES]);
+                let ids = kernel(
+                    #[inline(always)]
+                    |s: usize| u32x8::from_slice(simd, &layer.ids[s * TILE * TILE + cell..][..LANES]),
+                );
                 let first = ids(0);
                 let nothing = first.simd_eq(u32x8::splat(simd, Hit::NOTHING));
                 let mut same = mask32x8::splat(simd, true);

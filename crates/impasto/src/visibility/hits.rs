@@ -6,7 +6,7 @@
 
 use super::Domain;
 use super::tile::TILE;
-use crate::math::{BATCH, Each, Lane, Vec2, Vec3};
+use crate::math::{BATCH, Each, Lane, Vec2, Vec3, kernel};
 use crate::placement::{Needs, Surfels};
 use fearless_simd::{f32x8, i32x8, prelude::*, u32x8};
 
@@ -60,34 +60,62 @@ pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: [i32; 2], su
     weights(simd, surfels, &mut sum);
     let mesh = domain.mesh;
     for (i, run) in runs.iter().enumerate() {
-        let pick = |lanes: &[Lane; 3]| lanes.each_ref().each(|l| l[i]);
+        let pick = |lanes: &[Lane; 3]| {
+            lanes.each_ref().each(
+                #[inline(always)]
+                |l| l[i],
+            )
+        };
         let slopes = [pick(&set_ups.a), pick(&set_ups.b)];
         let c = mesh.triangles()[run.triangle as usize];
         if needs.derivatives {
             derivatives(simd, run, slopes, surfels, &sum);
         }
         if needs.normal {
-            let n = c.each(|i| mesh.normals()[i as usize].to_array());
+            let n = c.each(
+                #[inline(always)]
+                |i| mesh.normals()[i as usize].to_array(),
+            );
             interpolate(simd, run, &surfels.barycentric, n, &mut surfels.normal);
         }
         if needs.position {
-            let p = c.each(|i| mesh.positions()[i as usize].to_array());
+            let p = c.each(
+                #[inline(always)]
+                |i| mesh.positions()[i as usize].to_array(),
+            );
             interpolate(simd, run, &surfels.barycentric, p, &mut surfels.position);
         }
         let mut sets = needs.uv_sets;
         while sets != 0 {
             let set = sets.trailing_zeros() as usize;
             sets &= sets - 1;
-            uv(simd, run, set, c.each(|i| mesh.uv_sets()[set].uv[i as usize]), slopes, surfels, &sum);
+            uv(
+                simd,
+                run,
+                set,
+                c.each(
+                    #[inline(always)]
+                    |i| mesh.uv_sets()[set].uv[i as usize],
+                ),
+                slopes,
+                surfels,
+                &sum,
+            );
         }
         if needs.tangent {
-            let t = c.each(|i| mesh.tangents()[i as usize].to_array());
+            let t = c.each(
+                #[inline(always)]
+                |i| mesh.tangents()[i as usize].to_array(),
+            );
             interpolate(simd, run, &surfels.barycentric, t, &mut surfels.tangent);
             // The sign is a corner's, not a mixture: all three agree where the layout is not mirrored.
             surfels.tangent[3][run.start as usize..run.end as usize].fill(if t[0][3] < 0.0 { -1.0 } else { 1.0 });
         }
         if needs.color {
-            let v = c.each(|i| mesh.colors()[i as usize].to_array());
+            let v = c.each(
+                #[inline(always)]
+                |i| mesh.colors()[i as usize].to_array(),
+            );
             interpolate(simd, run, &surfels.barycentric, v, &mut surfels.color);
         }
     }
@@ -195,15 +223,34 @@ fn set_up(domain: &Domain, runs: &[Run], surfels: &Surfels, out: &mut SetUps) {
 fn edges<S: Simd>(simd: S, place: [i32; 2], runs: &[Run], set_ups: &SetUps, surfels: &mut Surfels, sum: &mut Lane) {
     for (i, run) in runs.iter().enumerate() {
         let splat = |lane: &Lane| f32x8::splat(simd, lane[i]);
-        let (a, b, c) =
-            (set_ups.a.each_ref().each(splat), set_ups.b.each_ref().each(splat), set_ups.c.each_ref().each(splat));
+        let (a, b, c) = (
+            set_ups.a.each_ref().each(
+                #[inline(always)]
+                |l| splat(l),
+            ),
+            set_ups.b.each_ref().each(
+                #[inline(always)]
+                |l| splat(l),
+            ),
+            set_ups.c.each_ref().each(
+                #[inline(always)]
+                |l| splat(l),
+            ),
+        );
         for at in run.vectors() {
-            let local = |k: usize| {
-                let cell = u32x8::from_slice(simd, &surfels.cell[k][at..at + N]) & u32x8::splat(simd, TILE as u32 - 1);
-                cells_to_float(simd, cell, place[k])
-            };
+            let local = kernel(
+                #[inline(always)]
+                |k: usize| {
+                    let cell =
+                        u32x8::from_slice(simd, &surfels.cell[k][at..at + N]) & u32x8::splat(simd, TILE as u32 - 1);
+                    cells_to_float(simd, cell, place[k])
+                },
+            );
             let (x, y) = (local(0), local(1));
-            let edge = |k: usize| (c[k] + b[k] * y) + a[k] * x;
+            let edge = kernel(
+                #[inline(always)]
+                |k: usize| (c[k] + b[k] * y) + a[k] * x,
+            );
             store(edge(0), &mut surfels.barycentric[0], at);
             store(edge(1), &mut surfels.barycentric[1], at);
             store(edge(2), sum, at);
@@ -229,11 +276,14 @@ fn weights<S: Simd>(simd: S, surfels: &mut Surfels, sum: &mut Lane) {
         let r = one / s;
         let r = s.simd_eq(zero).select(zero, r);
         // At silhouettes a cell's centre may lie just outside of the triangle: the nearest weights inside stand for it.
-        let clamp = |e: f32x8<S>, most: f32x8<S>| {
-            let b = e * r;
-            let b = b.simd_gt(zero).select(b, zero);
-            b.simd_lt(most).select(b, most)
-        };
+        let clamp = kernel(
+            #[inline(always)]
+            |e: f32x8<S>, most: f32x8<S>| {
+                let b = e * r;
+                let b = b.simd_gt(zero).select(b, zero);
+                b.simd_lt(most).select(b, most)
+            },
+        );
         let b1 = clamp(load(simd, &surfels.barycentric[0], i), one);
         let b2 = clamp(load(simd, &surfels.barycentric[1], i), one - b1);
         store(b1, &mut surfels.barycentric[0], i);
@@ -304,7 +354,10 @@ fn uv<S: Simd>(
 fn view<S: Simd>(simd: S, domain: &Domain, place: [i32; 2], surfels: &mut Surfels) {
     let [d, dx, dy]: [Vec3; 3] = domain.sight;
     for i in (0..surfels.n).step_by(N) {
-        let coordinate = |k: usize| cells_to_float(simd, u32x8::from_slice(simd, &surfels.cell[k][i..i + N]), place[k]);
+        let coordinate = kernel(
+            #[inline(always)]
+            |k: usize| cells_to_float(simd, u32x8::from_slice(simd, &surfels.cell[k][i..i + N]), place[k]),
+        );
         let (x, y) = (coordinate(0), coordinate(1));
         for k in 0..3 {
             // Against the line of sight.
