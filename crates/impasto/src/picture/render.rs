@@ -10,11 +10,13 @@ use crate::lookup::{self, Looks, Points, Shading, Surfaces};
 use crate::math::{BATCH, Lane, kernel};
 use crate::par::Workers;
 use crate::picture::{self, Lighting};
-use crate::placement::{Needs, Surfels};
+use crate::placement::{Needs, Surfels, TexCoords};
 use crate::visibility::{
     self, AlphaTest, BATCH_FILL, Domain, Draw, Faces, Hit, InfoBuffer, Kind, Samples, TILE, Tile, Tiles, tile::Layer,
 };
 use fearless_simd::{dispatch, mask32x8, prelude::*, u32x8};
+use std::ops::{Deref, DerefMut};
+use std::sync::Mutex;
 
 /// All that a picture depends on besides where surfaces are seen, which a [`Domain`] says.
 pub struct Shot<'a> {
@@ -50,49 +52,97 @@ pub fn draws(mesh: &Mesh, looks: &Looks) -> Vec<Draw> {
     mesh.parts().iter().enumerate().map(draw).collect()
 }
 
-/// Sorts a view's triangles into tiles for [`render`].
-pub fn sort(tiles: &mut Tiles, domain: &Domain, shot: &Shot, workers: &Workers) {
-    tiles.bin(domain, &draws(domain.mesh, shot.looks), shot.samples, workers);
+/// Sorts, rasterizes and shades views; keeps its buffers from one to the next.
+#[derive(Default)]
+pub struct Renderer {
+    /// The last view's triangles by tile.
+    pub tiles: Tiles,
+    rooms: Mutex<Vec<Box<Room>>>,
 }
 
-/// Rasterizes and shades what [`sort`] prepared. `finish` gets the column and row of the first of a run of cells, their
-/// premultiplied linear light, and their place in `picture`, which has one entry a cell.
-pub fn render<T: Send>(
-    tiles: &Tiles,
-    domain: &Domain,
-    shot: &Shot,
-    workers: &Workers,
-    picture: &mut [T],
-    finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync + Send,
-) -> Shortfall {
-    each_tile(domain, shot, workers, picture, finish, |index, shader| {
-        let alpha = &mut shader.alpha;
-        let mut test = |id, column, row, bits, place| alpha.test(domain, shot, workers, id, [column, row], bits, place);
-        let mut tile = std::mem::take(&mut shader.tile);
-        tiles.rasterize(index, Some(&mut test as &mut AlphaTest), workers, &mut tile);
-        shader.shade(&tile);
-        shader.tile = tile;
-    })
-}
+impl Renderer {
+    /// Sorts a view's triangles into tiles for [`shade`](Self::shade).
+    pub fn sort(&mut self, domain: &Domain, shot: &Shot, workers: &Workers) {
+        self.tiles.bin(domain, &draws(domain.mesh, shot.looks), shot.samples, workers);
+    }
 
-/// Shades an information buffer again, for other textures, lights or layers: only triangles that are seen are looked at.
-pub fn shade_buffer<T: Send>(
-    buffer: &InfoBuffer,
-    domain: &Domain,
-    shot: &Shot,
-    workers: &Workers,
-    picture: &mut [T],
-    finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync + Send,
-) -> Shortfall {
-    assert_eq!((buffer.size, buffer.samples), (domain.size, shot.samples), "the buffer belongs to another view");
-    each_tile(domain, shot, workers, picture, finish, |index, shader| shader.shade(&buffer.tiles[index]))
+    /// Rasterizes and shades what [`sort`](Self::sort) prepared. `finish` gets the column and row of the first of a run of
+    /// cells, their premultiplied linear light, and their place in `picture`, which has one entry a cell.
+    pub fn shade<T: Send>(
+        &self,
+        domain: &Domain,
+        shot: &Shot,
+        workers: &Workers,
+        picture: &mut [T],
+        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+    ) -> Shortfall {
+        self.each_tile(domain, shot, workers, picture, finish, |index, shader| {
+            let Room { tile, alpha, .. } = &mut *shader.room;
+            let mut test = |id, column, row, bits, place| {
+                alpha_test((domain, shot, workers), alpha, id, [column, row], bits, place)
+            };
+            self.tiles.rasterize(index, Some(&mut test as &mut AlphaTest), workers, tile);
+            let tile = std::mem::take(tile);
+            shader.shade(&tile);
+            shader.room.tile = tile;
+        })
+    }
+
+    /// Shades an information buffer again, for other textures, lights or layers: only triangles that are seen are looked at.
+    pub fn shade_buffer<T: Send>(
+        &self,
+        buffer: &InfoBuffer,
+        domain: &Domain,
+        shot: &Shot,
+        workers: &Workers,
+        picture: &mut [T],
+        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+    ) -> Shortfall {
+        assert_eq!((buffer.size, buffer.samples), (domain.size, shot.samples), "the buffer belongs to another view");
+        self.each_tile(domain, shot, workers, picture, finish, |index, shader| shader.shade(&buffer.tiles[index]))
+    }
+
+    fn each_tile<T: Send>(
+        &self,
+        domain: &Domain,
+        shot: &Shot,
+        workers: &Workers,
+        picture: &mut [T],
+        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+        shade: impl Fn(usize, &mut Shader) + Sync,
+    ) -> Shortfall {
+        assert_eq!(picture.len(), domain.size.n_cells(), "the picture has one entry a cell");
+        let [n_x, n_y] = visibility::tile::n_tiles(domain.size);
+        let mut jobs: Vec<Job<T>> =
+            (0..n_x * n_y).map(|_| Job { rows: Vec::with_capacity(TILE), truncated: false }).collect();
+        for (y, row) in picture.chunks_mut(domain.size.width.max(1) as usize).enumerate() {
+            for (x, run) in row.chunks_mut(TILE).enumerate() {
+                jobs[y / TILE * n_x + x].rows.push(run);
+            }
+        }
+        workers.for_each_with(
+            &mut jobs,
+            || Shader::new(domain, shot, workers, &self.rooms),
+            |shader, index, job| {
+                shade(index, shader);
+                job.truncated = shader.truncated;
+                let (x, y) = ((index % n_x * TILE) as u32, (index / n_x * TILE) as u32);
+                for (i, row) in job.rows.iter_mut().enumerate() {
+                    finish([x, y + i as u32], &shader.room.light[i * TILE..][..row.len()], row);
+                }
+            },
+        );
+        Shortfall { n_truncated_tiles: jobs.iter().filter(|j| j.truncated).count() }
+    }
 }
 
 /// The information buffer of a shot, alpha tests included.
 pub fn info_buffer(domain: &Domain, shot: &Shot, workers: &Workers) -> InfoBuffer {
     let test = || -> Box<AlphaTest> {
-        let mut alpha = Alpha::default();
-        Box::new(move |id, column, row, bits, place| alpha.test(domain, shot, workers, id, [column, row], bits, place))
+        let mut room = None;
+        Box::new(move |id, column, row, bits, place| {
+            alpha_test((domain, shot, workers), &mut room, id, [column, row], bits, place)
+        })
     };
     InfoBuffer::build(domain, &draws(domain.mesh, shot.looks), shot.samples, Some(&test), workers)
 }
@@ -101,38 +151,6 @@ pub fn info_buffer(domain: &Domain, shot: &Shot, workers: &Workers) -> InfoBuffe
 struct Job<'a, T> {
     rows: Vec<&'a mut [T]>,
     truncated: bool,
-}
-
-fn each_tile<T: Send>(
-    domain: &Domain,
-    shot: &Shot,
-    workers: &Workers,
-    picture: &mut [T],
-    finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync + Send,
-    shade: impl Fn(usize, &mut Shader) + Sync + Send,
-) -> Shortfall {
-    assert_eq!(picture.len(), domain.size.n_cells(), "the picture has one entry a cell");
-    let [n_x, n_y] = visibility::tile::n_tiles(domain.size);
-    let mut jobs: Vec<Job<T>> =
-        (0..n_x * n_y).map(|_| Job { rows: Vec::with_capacity(TILE), truncated: false }).collect();
-    for (y, row) in picture.chunks_mut(domain.size.width.max(1) as usize).enumerate() {
-        for (x, run) in row.chunks_mut(TILE).enumerate() {
-            jobs[y / TILE * n_x + x].rows.push(run);
-        }
-    }
-    workers.for_each_with(
-        &mut jobs,
-        || Shader::new(domain, shot, workers),
-        |shader, index, job| {
-            shade(index, shader);
-            job.truncated = shader.truncated;
-            let (x, y) = ((index % n_x * TILE) as u32, (index / n_x * TILE) as u32);
-            for (i, row) in job.rows.iter_mut().enumerate() {
-                finish([x, y + i as u32], &shader.light[i * TILE..][..row.len()], row);
-            }
-        },
-    );
-    Shortfall { n_truncated_tiles: jobs.iter().filter(|j| j.truncated).count() }
 }
 
 /// Surfaces of one look that wait for a full batch: in which cell of the tile they show, in which of its samples (bits).
@@ -164,23 +182,18 @@ impl Waiting {
 /// Cells that are gathered together.
 const LANES: usize = 8;
 
-/// What a thread needs to shade tiles.
-struct Shader<'a> {
-    domain: &'a Domain<'a>,
-    shot: &'a Shot<'a>,
-    workers: &'a Workers,
-    /// For each look, what its passes read.
-    needs: Vec<Needs>,
+/// Room that a thread works in, kept from picture to picture.
+#[derive(Default)]
+struct Room {
     tile: Tile,
-    alpha: Alpha,
     batch: Batch,
+    alpha: Option<Box<Batch>>,
     /// By look.
     waiting: Vec<Waiting>,
     /// Premultiplied linear light of the tile's cells.
     light: Vec<LinearRgba>,
     /// What gets through to the next layer, for each sample of each cell; empty when nothing transparent was met.
     through: Vec<f32>,
-    truncated: bool,
 }
 
 /// One batch's way from surfels to light.
@@ -191,15 +204,26 @@ struct Batch {
     light: Box<[Lane; 3]>,
 }
 
-impl Batch {
-    fn new(mesh: &Mesh) -> Self {
+impl Default for Batch {
+    fn default() -> Self {
         Self {
-            surfels: Surfels::new(mesh.uv_sets().len()),
+            surfels: Surfels::new(0),
             surfaces: Surfaces::new(),
             scratch: lookup::Scratch::new(),
             light: Box::new([[0.0; BATCH]; 3]),
         }
     }
+}
+
+/// What a thread needs to shade tiles.
+struct Shader<'a> {
+    domain: &'a Domain<'a>,
+    shot: &'a Shot<'a>,
+    workers: &'a Workers,
+    /// For each look, what its passes read.
+    needs: Vec<Needs>,
+    room: Loan<'a>,
+    truncated: bool,
 }
 
 /// What a look and its light read of surfels.
@@ -210,33 +234,27 @@ pub fn needs(shot: &Shot, look: usize) -> Needs {
 }
 
 impl<'a> Shader<'a> {
-    fn new(domain: &'a Domain, shot: &'a Shot, workers: &'a Workers) -> Self {
+    fn new(domain: &'a Domain<'a>, shot: &'a Shot<'a>, workers: &'a Workers, rooms: &'a Mutex<Vec<Box<Room>>>) -> Self {
+        let room = rooms.lock().ok().and_then(|mut rooms| rooms.pop()).unwrap_or_default();
+        let mut room = Loan { room: Some(room), home: rooms };
         let n_looks = shot.looks.looks.len();
-        Self {
-            domain,
-            shot,
-            workers,
-            needs: (0..n_looks).map(|look| needs(shot, look)).collect(),
-            tile: Tile::default(),
-            alpha: Alpha::default(),
-            batch: Batch::new(domain.mesh),
-            waiting: (0..n_looks).map(|_| Waiting::EMPTY).collect(),
-            light: vec![[0.0; 4]; TILE * TILE],
-            through: Vec::new(),
-            truncated: false,
-        }
+        room.batch.surfels.uv.resize(domain.mesh.uv_sets().len(), TexCoords::ZERO);
+        room.waiting.resize_with(n_looks, || Waiting::EMPTY);
+        room.light.resize(TILE * TILE, [0.0; 4]);
+        let needs = (0..n_looks).map(|look| needs(shot, look)).collect();
+        Self { domain, shot, workers, needs, room, truncated: false }
     }
 
     /// Fills `light` with what the tile's cells send towards the eye.
     fn shade(&mut self, tile: &Tile) {
         self.truncated = tile.truncated;
-        self.light.fill([0.0; 4]);
+        self.room.light.fill([0.0; 4]);
         if !tile.touched {
             return;
         }
-        self.through.clear();
+        self.room.through.clear();
         if tile.n_layers > 0 {
-            self.through.resize(TILE * TILE * self.shot.samples.n(), 1.0);
+            self.room.through.resize(TILE * TILE * self.shot.samples.n(), 1.0);
         }
         for layer in &tile.layers[..tile.n_layers] {
             self.layer(tile, layer);
@@ -246,7 +264,7 @@ impl<'a> Shader<'a> {
 
     fn layer(&mut self, tile: &Tile, layer: &Layer) {
         dispatch!(self.workers.level(), simd => self.gather(simd, tile, layer));
-        for look in 0..self.waiting.len() {
+        for look in 0..self.room.waiting.len() {
             self.flush(tile, look);
         }
     }
@@ -278,10 +296,10 @@ impl<'a> Shader<'a> {
                 let same_bits = same.to_bitmask() as u32;
                 let whole = same_bits & !(nothing.to_bitmask() as u32) & within;
                 if whole != 0 && one_look {
-                    if !self.waiting[look].has_room() {
+                    if !self.room.waiting[look].has_room() {
                         self.flush(tile, look);
                     }
-                    let waiting = &mut self.waiting[look];
+                    let waiting = &mut self.room.waiting[look];
                     let n = waiting.n;
                     let keep = mask32x8::from_bitmask(simd, whole as u64);
                     first.compress(keep).store_slice(&mut waiting.triangle[n..n + LANES]);
@@ -310,58 +328,95 @@ impl<'a> Shader<'a> {
             left &= !samples;
             if triangle != Hit::NOTHING {
                 let look = parts.look(triangle);
-                if !self.waiting[look].has_room() {
+                if !self.room.waiting[look].has_room() {
                     self.flush(tile, look);
                 }
-                self.waiting[look].push(cell as u32, triangle, samples);
+                self.room.waiting[look].push(cell as u32, triangle, samples);
             }
         }
     }
 
     /// Looks up and lights what waits, and adds it to the cells.
     fn flush(&mut self, tile: &Tile, look: usize) {
-        let waiting = &self.waiting[look];
-        let n = waiting.n;
-        if n == 0 {
+        let Room { waiting, batch, .. } = &mut *self.room;
+        let waiting = &waiting[look];
+        if waiting.n == 0 {
             return;
         }
-        let surfels = &mut self.batch.surfels;
+        let n = waiting.n;
+        let surfels = &mut batch.surfels;
         surfels.n = n;
         surfels.triangle[..n].copy_from_slice(&waiting.triangle[..n]);
-        for i in 0..n {
-            surfels.cell[0][i] = tile.origin[0] + waiting.cell[i] % TILE as u32;
-            surfels.cell[1][i] = tile.origin[1] + waiting.cell[i] / TILE as u32;
+        for (x, cell) in surfels.cell[0][..n].iter_mut().zip(&waiting.cell) {
+            *x = tile.origin[0] + cell % TILE as u32;
         }
-        let needs = self.needs[look];
-        let (domain, shot, batch) = (self.domain, self.shot, &mut self.batch);
+        for (y, cell) in surfels.cell[1][..n].iter_mut().zip(&waiting.cell) {
+            *y = tile.origin[1] + cell / TILE as u32;
+        }
+        let (domain, shot, needs) = (self.domain, self.shot, self.needs[look]);
         dispatch!(self.workers.level(), simd => look_and_light(simd, domain, shot, look, needs, batch));
         self.composite(look);
-        self.waiting[look].n = 0;
+        self.room.waiting[look].n = 0;
     }
 
     /// Adds a batch's light to its cells, weighted by the samples covered and by what nearer layers let through.
     fn composite(&mut self, look: usize) {
         let n_samples = self.shot.samples.n();
+        let Room { waiting, batch, light, through, .. } = &mut *self.room;
+        let waiting = &waiting[look];
+        let light: &mut [LinearRgba; TILE * TILE] = light.as_mut_slice().try_into().expect("a tile of light");
+        let [r, g, b] = &*batch.light;
+        if n_samples == 1 && through.is_empty() {
+            for i in 0..waiting.n {
+                light[waiting.cell[i] as usize % (TILE * TILE)] = [r[i], g[i], b[i], 1.0];
+            }
+            return;
+        }
         let share = 1.0 / n_samples as f32;
         let blend = self.shot.looks.looks[look].alpha_mode == AlphaMode::Blend;
-        let [r, g, b] = &*self.batch.light;
-        let waiting = &self.waiting[look];
         for i in 0..waiting.n {
-            let alpha = if blend { self.batch.surfaces.alpha[i] } else { 1.0 };
+            let alpha = if blend { batch.surfaces.alpha[i] } else { 1.0 };
             let (index, samples) = (waiting.cell[i] as usize, waiting.samples[i]);
-            let weight = if self.through.is_empty() {
+            let weight = if through.is_empty() {
                 samples.count_ones() as f32 * share
             } else {
                 let mut weight = 0.0;
                 for s in (0..n_samples).filter(|s| samples >> s & 1 == 1) {
-                    let through = &mut self.through[s * TILE * TILE + index];
+                    let through = &mut through[s * TILE * TILE + index];
                     weight += *through * alpha;
                     *through *= 1.0 - alpha;
                 }
                 weight * share
             };
-            let cell = &mut self.light[index];
+            let cell = &mut light[index % (TILE * TILE)];
             *cell = [cell[0] + weight * r[i], cell[1] + weight * g[i], cell[2] + weight * b[i], cell[3] + weight];
+        }
+    }
+}
+
+/// A room on loan: it goes back when the picture is done.
+struct Loan<'a> {
+    room: Option<Box<Room>>,
+    home: &'a Mutex<Vec<Box<Room>>>,
+}
+
+impl Deref for Loan<'_> {
+    type Target = Room;
+    fn deref(&self) -> &Room {
+        self.room.as_ref().expect("a room until it is given back")
+    }
+}
+
+impl DerefMut for Loan<'_> {
+    fn deref_mut(&mut self) -> &mut Room {
+        self.room.as_mut().expect("a room until it is given back")
+    }
+}
+
+impl Drop for Loan<'_> {
+    fn drop(&mut self) {
+        if let (Some(room), Ok(mut home)) = (self.room.take(), self.home.lock()) {
+            home.push(room);
         }
     }
 }
@@ -408,49 +463,37 @@ impl<'a> PartCursor<'a> {
     }
 }
 
-/// Evaluates looks for the alpha test while rasterizing.
-#[derive(Default)]
-struct Alpha {
-    batch: Option<Batch>,
-}
-
-impl Alpha {
-    /// In which of up to eight cells of a row (bits, from `column`) a triangle is there.
-    #[expect(clippy::too_many_arguments, reason = "an AlphaTest with its context")]
-    fn test(
-        &mut self,
-        domain: &Domain,
-        shot: &Shot,
-        workers: &Workers,
-        triangle: u32,
-        [column, row]: [u32; 2],
-        bits: u32,
-        place: [i32; 2],
-    ) -> u32 {
-        let look = PartCursor::new(domain.mesh, shot.looks).look(triangle);
-        let cutoff = match shot.looks.looks[look].alpha_mode {
-            AlphaMode::Mask(cutoff) => cutoff,
-            // What an alpha test among the layers refuses has no alpha left.
-            _ => f32::MIN_POSITIVE,
-        };
-        let batch = self.batch.get_or_insert_with(|| Batch::new(domain.mesh));
-        let surfels = &mut batch.surfels;
-        surfels.n = 0;
-        for lane in (0..8).filter(|l| bits >> l & 1 == 1) {
-            surfels.cell[0][surfels.n] = column + lane;
-            surfels.cell[1][surfels.n] = row;
-            surfels.triangle[surfels.n] = triangle;
-            surfels.n += 1;
-        }
-        let needs = shot.looks.looks[look].needs();
-        let Batch { surfels, surfaces, scratch, .. } = batch;
-        let alpha = &mut surfaces.alpha;
-        dispatch!(workers.level(), simd => {
-            visibility::fill(simd, domain, needs, place, surfels);
-            let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
-            lookup::alpha_of(simd, (shot.looks, look), points, scratch, alpha);
-        });
-        let lanes = (0..8).filter(|l| bits >> l & 1 == 1);
-        lanes.enumerate().filter(|(i, _)| alpha[*i] >= cutoff).fold(0, |kept, (_, lane)| kept | 1 << lane)
+/// In which of up to eight cells of a row (bits, from `column`) a triangle is there.
+fn alpha_test(
+    (domain, shot, workers): (&Domain, &Shot, &Workers),
+    room: &mut Option<Box<Batch>>,
+    triangle: u32,
+    [column, row]: [u32; 2],
+    bits: u32,
+    place: [i32; 2],
+) -> u32 {
+    let look = PartCursor::new(domain.mesh, shot.looks).look(triangle);
+    let cutoff = match shot.looks.looks[look].alpha_mode {
+        AlphaMode::Mask(cutoff) => cutoff,
+        // What an alpha test among the layers refuses has no alpha left.
+        _ => f32::MIN_POSITIVE,
+    };
+    let Batch { surfels, surfaces, scratch, .. } = &mut **room.get_or_insert_default();
+    surfels.uv.resize(domain.mesh.uv_sets().len(), TexCoords::ZERO);
+    surfels.n = 0;
+    for lane in (0..8).filter(|l| bits >> l & 1 == 1) {
+        surfels.cell[0][surfels.n] = column + lane;
+        surfels.cell[1][surfels.n] = row;
+        surfels.triangle[surfels.n] = triangle;
+        surfels.n += 1;
     }
+    let needs = shot.looks.looks[look].needs();
+    let alpha = &mut surfaces.alpha;
+    dispatch!(workers.level(), simd => {
+        visibility::fill(simd, domain, needs, place, surfels);
+        let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
+        lookup::alpha_of(simd, (shot.looks, look), points, scratch, alpha);
+    });
+    let lanes = (0..8).filter(|l| bits >> l & 1 == 1);
+    lanes.enumerate().filter(|(i, _)| alpha[*i] >= cutoff).fold(0, |kept, (_, lane)| kept | 1 << lane)
 }

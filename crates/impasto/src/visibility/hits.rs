@@ -50,7 +50,7 @@ struct SetUps {
 pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: [i32; 2], surfels: &mut Surfels) {
     assert!(surfels.n <= BATCH_FILL, "a batch is filled with at most {BATCH_FILL} points");
     let mut runs = [Run { start: 0, end: 0, triangle: 0 }; BATCH];
-    let n_runs = find_runs(surfels, &mut runs);
+    let n_runs = find_runs(simd, surfels, &mut runs);
     let runs = &runs[..n_runs];
     const ZERO: Lane = [0.0; BATCH];
     let mut set_ups = SetUps { a: [ZERO; 3], b: [ZERO; 3], c: [ZERO; 3], side: ZERO };
@@ -133,19 +133,33 @@ pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: [i32; 2], su
 
 /// Cuts the batch into runs. All cells of a run are measured from one origin, their tile's corner, whatever the batch.
 #[inline(always)]
-fn find_runs(surfels: &Surfels, runs: &mut [Run; BATCH]) -> usize {
-    const TILE_BITS: u32 = TILE.trailing_zeros();
+fn find_runs<S: Simd>(simd: S, surfels: &Surfels, runs: &mut [Run; BATCH]) -> usize {
+    let load = kernel(
+        #[inline(always)]
+        |lane: &[u32; BATCH], i: usize| u32x8::from_slice(simd, &lane[i..i + N]),
+    );
     let mut n_runs = 0;
-    let mut last = None;
-    for i in 0..surfels.n {
-        let key = (surfels.triangle[i], surfels.cell[0][i] >> TILE_BITS, surfels.cell[1][i] >> TILE_BITS);
-        if last == Some(key) {
-            runs[n_runs - 1].end = i as u16 + 1;
-        } else {
-            runs[n_runs] = Run { start: i as u16, end: i as u16 + 1, triangle: key.0 };
-            n_runs += 1;
-            last = Some(key);
+    let mut start = 0;
+    for i in (1..surfels.n).step_by(N) {
+        // Where a lane differs from the one before in its triangle, or in its tile.
+        let [x, y] = &surfels.cell;
+        let moved = (load(x, i) ^ load(x, i - 1)) | (load(y, i) ^ load(y, i - 1));
+        let same = load(&surfels.triangle, i).simd_eq(load(&surfels.triangle, i - 1))
+            & moved.simd_lt(u32x8::splat(simd, TILE as u32));
+        let mut cuts = !(same.to_bitmask() as u32) & 0xff;
+        while cuts != 0 {
+            let end = i + cuts.trailing_zeros() as usize;
+            cuts &= cuts - 1;
+            if end < surfels.n {
+                runs[n_runs] = Run { start: start as u16, end: end as u16, triangle: surfels.triangle[start] };
+                n_runs += 1;
+                start = end;
+            }
         }
+    }
+    if surfels.n > 0 {
+        runs[n_runs] = Run { start: start as u16, end: surfels.n as u16, triangle: surfels.triangle[start] };
+        n_runs += 1;
     }
     n_runs
 }
