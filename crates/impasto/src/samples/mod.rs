@@ -4,7 +4,10 @@ mod atlas;
 pub mod bench;
 pub mod chameleon;
 mod curve;
+pub mod plain;
 mod sheet;
+#[cfg(test)]
+mod solid;
 mod tube;
 
 use crate::assets::Scene;
