@@ -8,6 +8,7 @@ pub mod plain;
 mod sheet;
 #[cfg(test)]
 mod solid;
+pub mod texture;
 mod tube;
 
 use crate::assets::Scene;

@@ -47,7 +47,9 @@ impl Piece {
 
 /// All pieces, with triangle edges of about this length.
 pub(super) fn pieces(edge: f64) -> Vec<Piece> {
-    let mut pieces = vec![tube_piece(Kind::Body, 0, 0.0, body(edge))];
+    // In one piece the body would be a ribbon that leaves most of a square texture empty.
+    let body = body(edge).cut_at(&[landmark::TAIL + 0.35, landmark::TAIL + 3.7]);
+    let mut pieces: Vec<Piece> = body.into_iter().map(|tube| tube_piece(Kind::Body, 0, 0.0, tube)).collect();
     for side in [1.0, -1.0] {
         for leg in &LEGS {
             // The right legs stand a little further back: it walks.
