@@ -70,9 +70,9 @@ pub fn wood(size: Size, seed: u32) -> TextureImage {
         let own = unit_float(hash(k ^ hash(seed)));
         let y = t.uv.y * BOARDS - board;
         // Rings: distance from a heart that lies beside the board and wanders along it.
-        let l = Lattice { seed: seed.wrapping_add(31 * k), period: [4, 0, 0] };
-        let bend = fbm_2d(vec2(t.uv.x * 4.0, y * 0.8), 3, 0.5, l).value;
-        let ring = (y - 0.5 + 1.6 * (own - 0.5)).abs() * 6.0 + 2.6 * bend;
+        let l = Lattice { seed: seed.wrapping_add(31 * k), period: [2, 0, 0] };
+        let bend = fbm_2d(vec2(t.uv.x * 2.0, y * 0.6), 3, 0.45, l).value;
+        let ring = (y - 0.5 + 1.6 * (own - 0.5)).abs() * 6.0 + 2.2 * bend;
         let r = fract(ring);
         let late = smooth(0.25, 0.92, r) * (1.0 - smooth(0.92, 1.0, r));
         let fibre =
