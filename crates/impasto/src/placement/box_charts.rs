@@ -52,6 +52,24 @@ pub(super) fn box_charts(positions: &[Vec3], triangles: &[[u32; 3]], edge_texels
     place_charts(&charts, &flat, triangles, positions.len(), edge_texels as f64, gutter as f64)
 }
 
+/// How many pieces of surface there are that share no edge, over all places that coincide.
+pub(super) fn n_pieces(positions: &[Vec3], triangles: &[[u32; 3]]) -> usize {
+    let neighbours = neighbours(&points(positions), triangles);
+    let mut seen = vec![false; triangles.len()];
+    let mut waiting = Vec::new();
+    let mut n = 0;
+    for seed in 0..triangles.len() as u32 {
+        n += !seen[seed as usize] as usize;
+        waiting.push(seed);
+        while let Some(t) = waiting.pop() {
+            if !std::mem::replace(&mut seen[t as usize], true) {
+                waiting.extend(neighbours.of(t).iter().filter(|&&other| !seen[other as usize]));
+            }
+        }
+    }
+    n
+}
+
 /// Which way a triangle faces: axis * 2, + 1 for the negative direction. None without area.
 fn facing([a, b, c]: [Vec3; 3]) -> Option<u8> {
     let n = (b.as_dvec3() - a.as_dvec3()).cross(c.as_dvec3() - a.as_dvec3());
