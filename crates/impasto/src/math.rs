@@ -147,6 +147,31 @@ pub fn unit_or(v: Vec3, fallback: Vec3) -> Vec3 {
     if squared > 1e-30 && squared < f32::INFINITY { v * (1.0 / squared.sqrt()) } else { fallback }
 }
 
+/// `[T; N]::map` that is always inlined. The library's may stay a call, and a SIMD kernel that calls leaves its
+/// instruction set behind.
+pub(crate) trait Each<T>: Sized {
+    /// The array with other elements.
+    type Of<U>;
+    /// `f` of each element.
+    fn each<U>(self, f: impl FnMut(T) -> U) -> Self::Of<U>;
+}
+
+macro_rules! each {
+    ($n:literal, $($x:ident),*) => {
+        impl<T> Each<T> for [T; $n] {
+            type Of<U> = [U; $n];
+            #[inline(always)]
+            fn each<U>(self, mut f: impl FnMut(T) -> U) -> [U; $n] {
+                let [$($x),*] = self;
+                [$(f($x)),*]
+            }
+        }
+    };
+}
+each!(2, a, b);
+each!(3, a, b, c);
+each!(4, a, b, c, d);
+
 /// Elementary functions in f64 for set-up code: written in Rust, the same bits everywhere (crate `libm`).
 pub mod exact {
     pub use libm::{acos, asin, atan, atan2, cbrt, cos, exp, exp2, log, log2, log10, pow, sin, tan};

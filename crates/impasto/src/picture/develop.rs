@@ -6,7 +6,7 @@
 //! draws the colour towards white, as film does. The bend is Reinhard's extended curve (2002), which reaches white.
 
 use crate::color::{Encoding, LinearRgb, LinearRgba, Srgb8Encoder};
-use crate::math::exact;
+use crate::math::{Each, exact};
 use crate::picture::lanes::{V, V3, at_least, at_most, clamp01, exp2, larger, log2, mix, splat, splat3, width};
 use fearless_simd::{Simd, prelude::*};
 
@@ -93,7 +93,7 @@ impl Develop {
                 self.each_group(simd, cells, under, |at, n, color, alpha| {
                     let color = if self.encoding == Encoding::Srgb { srgb(simd, color) } else { color };
                     let [r, g, b, a]: [S::u32s; 4] =
-                        [color[0], color[1], color[2], alpha].map(|v| (v * 65535.0 + 0.5).to_int());
+                        [color[0], color[1], color[2], alpha].each(|v| (v * 65535.0 + 0.5).to_int());
                     for (i, out) in out[at..at + n].iter_mut().enumerate() {
                         *out = [r[i] as u16, g[i] as u16, b[i] as u16, a[i] as u16];
                     }
@@ -132,13 +132,13 @@ impl Develop {
             // Straight colour; where nothing is, alpha's floor only avoids a division by zero.
             let inverse = splat(simd, 1.0) / at_least(simd, alpha, 1e-6);
             let full = alpha.simd_ge(splat(simd, 1.0));
-            let straight = [r, g, b].map(|c| full.select(c, c * inverse));
+            let straight = [r, g, b].each(|c| full.select(c, c * inverse));
             let color = self.bent(simd, straight, gain);
             let (color, alpha) = match under {
                 None => (color, alpha),
                 Some(under) => {
                     let under = splat3(simd, under);
-                    let over: V3<S> = std::array::from_fn(|c| {
+                    let over: V3<S> = [0, 1, 2].each(|c| {
                         let mixed = mix::<S>(under[c], color[c], alpha);
                         clamp01(simd, full.select(color[c], mixed))
                     });
@@ -152,9 +152,9 @@ impl Develop {
     /// Exposure and curve for a register of straight colours; within [0, 1], NaN is 0.
     #[inline(always)]
     fn bent<S: Simd>(&self, simd: S, color: V3<S>, gain: f32) -> V3<S> {
-        let color = color.map(|c| at_most(simd, at_least(simd, c * gain, 0.0), 1e6));
+        let color = color.each(|c| at_most(simd, at_least(simd, c * gain, 0.0), 1e6));
         match self.curve {
-            Curve::Plain => color.map(|c| at_most(simd, c, 1.0)),
+            Curve::Plain => color.each(|c| at_most(simd, c, 1.0)),
             Curve::Filmic => {
                 let peak = larger::<S>(color[0], larger::<S>(color[1], color[2]));
                 let over = peak.simd_gt(splat(simd, KNEE));
@@ -162,7 +162,7 @@ impl Develop {
                 let ratio = new_peak / at_least(simd, peak, KNEE);
                 let bent_away = peak - new_peak;
                 let fade = splat(simd, 1.0) - splat(simd, 1.0) / (bent_away * FADE + 1.0);
-                color.map(|c| at_most(simd, over.select(mix::<S>(c * ratio, new_peak, fade), c), 1.0))
+                color.each(|c| at_most(simd, over.select(mix::<S>(c * ratio, new_peak, fade), c), 1.0))
             }
         }
     }
@@ -186,13 +186,13 @@ fn load_cells<S: Simd>(simd: S, cells: &[LinearRgba]) -> [V<S>; 4] {
             lanes[c][i] = cell[c];
         }
     }
-    lanes.map(|lane| V::<S>::from_slice(simd, &lane[..width::<S>()]))
+    lanes.each(|lane| V::<S>::from_slice(simd, &lane[..width::<S>()]))
 }
 
 /// The sRGB curve for numbers within [0, 1], to about 1e-6.
 #[inline(always)]
 fn srgb<S: Simd>(simd: S, color: V3<S>) -> V3<S> {
-    color.map(|x| {
+    color.each(|x| {
         let power = exp2(simd, log2(simd, x) * (1.0 / 2.4)) * 1.055 - 0.055;
         clamp01(simd, x.simd_gt(splat(simd, 0.0031308)).select(power, x * 12.92))
     })
@@ -211,7 +211,7 @@ fn store_srgb8<S: Simd>(encoder: &Srgb8Encoder, color: V3<S>, alpha: V<S>, out: 
 #[inline(always)]
 fn store_linear8<S: Simd>(simd: S, color: V3<S>, alpha: V<S>, pattern: [f32; WIDEST], out: &mut [[u8; 4]]) {
     let pattern = V::<S>::from_slice(simd, &pattern[..width::<S>()]);
-    let [r, g, b]: [S::u32s; 3] = color.map(|c| at_most(simd, c * 255.0 + pattern, 255.0).to_int());
+    let [r, g, b]: [S::u32s; 3] = color.each(|c| at_most(simd, c * 255.0 + pattern, 255.0).to_int());
     let a: S::u32s = (alpha * 255.0 + 0.5).to_int();
     for (i, out) in out.iter_mut().enumerate() {
         *out = [r[i] as u8, g[i] as u8, b[i] as u8, a[i] as u8];

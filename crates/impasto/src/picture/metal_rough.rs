@@ -7,7 +7,7 @@
 //! Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting", 2019, so that a rough white metal stays white.
 
 use crate::lookup::Surfaces;
-use crate::math::Lane;
+use crate::math::{Each, Lane};
 use crate::picture::lanes::{
     V, V3, add, at_least, at_most, clamp01, dot, exp2, inverse_length, load, load3, mix, reflect, scale, smaller,
     splat, store3, width,
@@ -40,13 +40,13 @@ pub(super) fn shade<S: Simd>(
         let color = load3(simd, &surfaces.color, at);
         let occlusion = load(simd, &surfaces.occlusion, at);
         let matte = scale::<S>(color, splat(simd, 1.0) - metal);
-        let f0: V3<S> = color.map(|c| mix::<S>(splat(simd, DIELECTRIC), c, metal));
+        let f0: V3<S> = color.each(|c| mix::<S>(splat(simd, DIELECTRIC), c, metal));
 
         // Light from all around.
         let received = scale::<S>(ambient_at(simd, &lighting.ambient, constant, base.normal), occlusion);
         let seen = scale::<S>(around(simd, &lighting.reflection, &base), occlusion);
         let split = SplitSum::new(simd, &base);
-        let mut sum: V3<S> = std::array::from_fn(|c| {
+        let mut sum: V3<S> = [0, 1, 2].each(|c| {
             let [once, more, rest] = split.shares(simd, f0[c]);
             once * seen[c] + (more + matte[c] * rest) * received[c]
         });

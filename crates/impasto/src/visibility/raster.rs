@@ -7,6 +7,7 @@
 use super::Hit;
 use super::bin::{Record, STEPS, TESTED};
 use super::tile::{AlphaTest, Layer, TILE, TILE_CELLS};
+use crate::math::Each;
 use fearless_simd::{f32x8, i32x8, mask32x8, prelude::*, u32x8};
 
 /// Cells along the side of a block, and lanes of a vector.
@@ -220,9 +221,9 @@ impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
             (e, -dy * STEPS, dx * STEPS)
         };
         let edges = [edge(0, 1), edge(1, 2), edge(2, 0)];
-        let slope = edges.map(|(_, a, _)| self.lanes_i * i32x8::splat(simd, a));
+        let slope = edges.each(|(_, a, _)| self.lanes_i * i32x8::splat(simd, a));
         let mut plane = None;
-        let mut e_row = edges.map(|(e, _, _)| e);
+        let mut e_row = edges.each(|(e, _, _)| e);
         for y in y0..=y1 {
             let mut x = first;
             loop {
@@ -319,8 +320,8 @@ impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
         }
         let plane = Plane::new(r, area);
         let reach = BLOCK - 1;
-        let lane = edges.map(|(_, a, _)| self.lanes_i * i32x8::splat(simd, a));
-        let blocks = edges.map(|(_, a, _)| self.lanes_i * i32x8::splat(simd, a * BLOCK));
+        let lane = edges.each(|(_, a, _)| self.lanes_i * i32x8::splat(simd, a));
+        let blocks = edges.each(|(_, a, _)| self.lanes_i * i32x8::splat(simd, a * BLOCK));
         for by in (y0 & !(BLOCK - 1)..=y1).step_by(BLOCK as usize) {
             // Eight blocks at a time: which may hold a cell, which are inside whole?
             let mut most = i32x8::splat(simd, 0);
