@@ -101,6 +101,21 @@ impl<'a> Buffers<'a> {
         Ok(Accessor { json, component, n_columns, n_rows, count, normalized })
     }
 
+    /// Whether the bytes of all its elements are there; before anything is made as large as an accessor claims to be.
+    pub(super) fn check(&self, a: &Accessor) -> Result<(), Fault> {
+        match a.json.member("bufferView") {
+            Some(view) => {
+                let view = self.view(view.as_index()?)?;
+                let offset = a.json.index("byteOffset")?.unwrap_or(0);
+                self.elements(a, &view, offset, a.count).map(drop)
+            }
+            None if a.count.saturating_mul(a.n_components()) > MAX_ZEROS => {
+                Err(a.json.fault(format_args!("claims {} elements without any bytes", a.count)))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// All numbers of an accessor, components together, sparse ones put in place. Normalized integers become fractions.
     pub(super) fn numbers(&self, accessor: &Accessor, normalized: bool) -> Result<Vec<f64>, Fault> {
         let a = accessor;
@@ -110,18 +125,16 @@ impl<'a> Buffers<'a> {
             Some(scale) => (x * scale).max(-1.0),
             None => x,
         };
+        self.check(a)?;
         let mut numbers = match a.json.member("bufferView") {
             Some(view) => {
                 let view = self.view(view.as_index()?)?;
                 let offset = a.json.index("byteOffset")?.unwrap_or(0);
-                let mut numbers = Vec::new();
+                let mut numbers = Vec::with_capacity(a.count * n);
                 for element in self.elements(a, &view, offset, a.count)? {
                     numbers.extend(a.offsets().map(|o| number(a.component.read(&element[o..]))));
                 }
                 numbers
-            }
-            None if a.count.saturating_mul(n) > MAX_ZEROS => {
-                return Err(a.json.fault(format_args!("claims {} elements without any bytes", a.count)));
             }
             None => vec![0.0; a.count * n],
         };
