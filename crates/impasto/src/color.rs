@@ -37,16 +37,21 @@ static SRGB8_THRESHOLDS: LazyLock<[f32; 256]> = LazyLock::new(|| {
     std::array::from_fn(|i| if i == 0 { f32::NEG_INFINITY } else { linear_from_srgb((i as f64 - 0.5) / 255.0) as f32 })
 });
 
-/// For every top-of-float bucket, the byte of its lower end: see [`srgb8_from_linear`].
-static SRGB8_BUCKETS: LazyLock<Vec<u8>> = LazyLock::new(|| {
+/// For every bucket of floats that share their upper half: the byte of its lower end in the upper half, and 2^16 minus
+/// the lower half from which the next byte begins. Adding a float's lower half carries exactly when it reaches that.
+static SRGB8_BUCKETS: LazyLock<Vec<u32>> = LazyLock::new(|| {
     (FIRST_BUCKET..=LAST_BUCKET)
         .map(|b| {
             let low = f32::from_bits(b << BUCKET_SHIFT);
-            SRGB8_THRESHOLDS.partition_point(|t| *t <= low) as u8 - 1
+            let byte = SRGB8_THRESHOLDS.partition_point(|t| *t <= low) as u32 - 1;
+            let next = SRGB8_THRESHOLDS.get(byte as usize + 1).map_or(0, |t| t.to_bits());
+            let carry = if next >> BUCKET_SHIFT == b { (1 << BUCKET_SHIFT) - (next & LOWER_HALF) } else { 0 };
+            (byte << BUCKET_SHIFT) + carry
         })
         .collect()
 });
 const BUCKET_SHIFT: u32 = 16;
+const LOWER_HALF: u32 = (1 << BUCKET_SHIFT) - 1;
 const FIRST_BUCKET: u32 = 0x3900_0000 >> BUCKET_SHIFT; // 2^-13, below half the first threshold
 const LAST_BUCKET: u32 = 0x3f80_0000 >> BUCKET_SHIFT; // 1.0
 
@@ -58,18 +63,17 @@ pub fn srgb8_from_linear(x: f32) -> u8 {
     Srgb8Encoder::new().encode(x)
 }
 
-/// The tables of [`srgb8_from_linear`], borrowed once for many values.
+/// The table of [`srgb8_from_linear`], borrowed once for many values.
 #[derive(Clone, Copy)]
 pub struct Srgb8Encoder {
-    thresholds: &'static [f32; 256],
-    buckets: &'static [u8],
+    buckets: &'static [u32],
 }
 
 impl Srgb8Encoder {
-    /// Borrows the tables, making them on first use.
+    /// Borrows the table, making it on first use.
     #[expect(clippy::new_without_default, reason = "not a value with a neutral state, a borrow")]
     pub fn new() -> Self {
-        Self { thresholds: &SRGB8_THRESHOLDS, buckets: &SRGB8_BUCKETS }
+        Self { buckets: &SRGB8_BUCKETS }
     }
 
     /// The nearest sRGB byte.
@@ -78,9 +82,9 @@ impl Srgb8Encoder {
         const LOW: f32 = 1.0 / 8192.0;
         let x = if x > LOW { x } else { LOW };
         let x = if x < 1.0 { x } else { 1.0 };
-        let byte = self.buckets[((x.to_bits() >> BUCKET_SHIFT) - FIRST_BUCKET) as usize];
-        let next = self.thresholds[(byte as usize + 1).min(255)];
-        byte + (byte < 255 && x >= next) as u8
+        let bits = x.to_bits();
+        let bucket = self.buckets[((bits >> BUCKET_SHIFT) - FIRST_BUCKET) as usize];
+        ((bucket + (bits & LOWER_HALF)) >> BUCKET_SHIFT) as u8
     }
 }
 
