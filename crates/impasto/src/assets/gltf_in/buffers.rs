@@ -14,8 +14,11 @@ pub(super) struct Buffers<'a> {
     /// The GLB's binary chunk: the first buffer, if that names no file.
     pub(super) chunk: Option<&'a [u8]>,
     pub(super) neighbours: &'a Neighbours<'a>,
-    pub(super) loaded: RefCell<Vec<Option<Result<Rc<[u8]>, Fault>>>>,
+    pub(super) loaded: RefCell<Vec<Option<Fetched>>>,
 }
+
+/// A buffer's bytes, or why there are none.
+type Fetched = Result<Rc<[u8]>, Fault>;
 
 impl<'a> Buffers<'a> {
     pub(super) fn new(root: Json<'a>, chunk: Option<&'a [u8]>, neighbours: &'a Neighbours<'a>) -> Self {
@@ -28,7 +31,7 @@ impl<'a> Buffers<'a> {
         self.loaded.borrow().iter().flatten().flatten().map(|b| b.len()).sum()
     }
 
-    fn buffer(&self, i: usize) -> Result<Rc<[u8]>, Fault> {
+    fn buffer(&self, i: usize) -> Fetched {
         let json = self.root.item("buffers", i)?;
         if let Some(known) = &self.loaded.borrow()[i] {
             return known.clone();
@@ -38,7 +41,7 @@ impl<'a> Buffers<'a> {
         bytes
     }
 
-    fn fetch(&self, i: usize, json: &Json) -> Result<Rc<[u8]>, Fault> {
+    fn fetch(&self, i: usize, json: &Json) -> Fetched {
         match json.text("uri")? {
             Some(uri) => self.resource(uri).map(Rc::from).map_err(|e| json.fault(e)),
             None if i == 0 && self.chunk.is_some() => Ok(Rc::from(self.chunk.unwrap_or_default())),

@@ -241,6 +241,25 @@ fn tiff_claiming(side: u32) -> Vec<u8> {
 }
 
 #[test]
+fn blocks_that_claim_more_than_their_layer_are_refused() {
+    let file = "6_environment/exr_dwab/clay_brown.exr";
+    let Ok(bytes) = std::fs::read(Path::new(DATA).join(file)) else { return println!("skipped: no {file}") };
+    // The offsets of the two blocks of 256 rows stand right before the first block: row number, length, eleven counters.
+    let block = (0..bytes.len() - 24)
+        .find(|&i| {
+            let word = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
+            word(i) == i as u64 + 16 && word(i + 8) > word(i) && word(i + 8) < bytes.len() as u64
+        })
+        .unwrap()
+        + 16;
+    for counter in 1..10 {
+        let mut broken = bytes.clone();
+        broken[block + 8 + counter * 8 + 6] = 2;
+        assert!(read(&broken, Path::new(file)).is_err(), "counter {counter}");
+    }
+}
+
+#[test]
 fn unknown_formats_are_named() {
     let cases: [(&[u8], &str, &str); 5] = [
         (b"\xabKTX 20\xbb", "a.ktx2", "KTX2"),
