@@ -1,9 +1,10 @@
 //! Words everyone uses: vectors, sizes, rays, frames, and elementary functions that give the same bits everywhere.
 //!
 //! The platform's `sin`, `pow` and `exp` differ between systems, so nothing that reaches a picture may call them. Set-up
-//! code uses the f64 functions re-exported in [`exact`]; per-pixel code the f32 polynomials [`exp2`], [`log2`], [`pow`].
+//! code uses the f64 functions re-exported in [`exact`]; per-pixel code the f32 polynomials [`exp2`], [`log2`],
+//! [`pow`], [`sin_cos`], [`atan2`], [`acos`].
 
-pub use glam::{DVec2, DVec3, IVec2, Mat3, Mat4, UVec2, Vec2, Vec3, Vec4, vec2, vec3, vec4};
+pub use glam::{DMat4, DVec2, DVec3, DVec4, IVec2, Mat3, Mat4, UVec2, Vec2, Vec3, Vec4, vec2, vec3, vec4};
 
 /// How many cells a batch holds at most: shading runs as short passes over this many numbers at a time.
 pub const BATCH: usize = 256;
@@ -195,6 +196,61 @@ pub fn pow(x: f32, y: f32) -> f32 {
     if x <= 0.0 { 0.0 } else { exp2(y * log2(x)) }
 }
 
+/// Sine and cosine of `x` radians, absolute error below 2e-7 for |x| up to 8192; worse beyond, but always within [-1, 1].
+#[inline(always)]
+pub fn sin_cos(x: f32) -> (f32, f32) {
+    let x = if x > -4e6 { x } else { -4e6 };
+    let x = if x < 4e6 { x } else { 4e6 };
+    // x = k pi/2 + r. Adding 1.5 * 2^23 rounds to the nearest integer; pi/2 in three parts, so that k times the first
+    // two is exact (Cody and Waite, "Software Manual for the Elementary Functions", 1980).
+    let k = (x * std::f32::consts::FRAC_2_PI + 12582912.0) - 12582912.0;
+    let r = ((x - k * 1.5703125) - k * 4.837_513e-4) - k * 7.549_790e-8;
+    let z = r * r;
+    let sin = r + r * z * (-0.166_666_67 + z * (8.333_332e-3 + z * (-1.984_008_7e-4 + z * 2.724_99e-6)));
+    let cos = 1.0 - 0.5 * z + z * z * (4.166_666_4e-2 + z * (-1.388_830_2e-3 + z * 2.454_791_7e-5));
+    let quadrant = k as i32;
+    let (s, c) = if quadrant & 1 == 0 { (sin, cos) } else { (cos, sin) };
+    let s = if quadrant & 2 == 0 { s } else { -s };
+    let c = if (quadrant + 1) & 2 == 0 { c } else { -c };
+    (clamp_unit(s), clamp_unit(c))
+}
+
+/// `x` within [-1, 1].
+#[inline(always)]
+fn clamp_unit(x: f32) -> f32 {
+    let x = if x > -1.0 { x } else { -1.0 };
+    if x < 1.0 { x } else { 1.0 }
+}
+
+/// The angle of the point (`x`, `y`) from +x towards +y, in [-pi, pi], absolute error below 4e-7; 0 for the origin.
+/// On the negative x axis +pi, whatever the sign of a zero `y`.
+#[inline(always)]
+pub fn atan2(y: f32, x: f32) -> f32 {
+    let (ax, ay) = (x.abs(), y.abs());
+    let steep = ay > ax;
+    let (low, high) = if steep { (ax, ay) } else { (ay, ax) };
+    // atan(q) = pi/4 + atan((q - 1) / (q + 1)) brings the argument below tan(pi/8).
+    let far = low > 0.414_213_57 * high;
+    let numerator = if far { low - high } else { low };
+    let denominator = if far { low + high } else { high };
+    let denominator = if denominator > 0.0 { denominator } else { 1.0 };
+    let q = numerator / denominator;
+    let z = q * q;
+    let p = -0.333_333_3 + z * (0.199_995_4 + z * (-0.142_639_55 + z * (0.107_437_25 + z * -6.451_907e-2)));
+    let angle = q + q * z * p;
+    let angle = if far { angle + std::f32::consts::FRAC_PI_4 } else { angle };
+    let angle = if steep { std::f32::consts::FRAC_PI_2 - angle } else { angle };
+    let angle = if x < 0.0 { std::f32::consts::PI - angle } else { angle };
+    if y < 0.0 { -angle } else { angle }
+}
+
+/// The angle whose cosine is `x` (clamped to [-1, 1]), in [0, pi], absolute error below 4e-7.
+#[inline(always)]
+pub fn acos(x: f32) -> f32 {
+    let x = clamp_unit(x);
+    atan2(((1.0 - x) * (1.0 + x)).sqrt(), x)
+}
+
 /// The largest integer not above `x`, for |x| below 2^31; faster than the library's without SSE4.1.
 #[inline(always)]
 pub fn floor(x: f32) -> f32 {
@@ -242,6 +298,27 @@ mod tests {
                 log2(x)
             );
         }
+    }
+
+    #[test]
+    fn angles_are_close_to_the_truth_all_around() {
+        for i in -4000..=4000 {
+            let x = i as f32 * 0.0137;
+            let (s, c) = sin_cos(x);
+            assert!((s as f64 - exact::sin(x as f64)).abs() < 2e-7, "sin({x}) = {s}");
+            assert!((c as f64 - exact::cos(x as f64)).abs() < 2e-7, "cos({x}) = {c}");
+            let big = i as f32 * 2.0471;
+            assert!((sin_cos(big).0 as f64 - exact::sin(big as f64)).abs() < 2e-7, "sin({big})");
+            for length in [1e-20, 1.0, 1e20] {
+                let truth = exact::atan2((s * length) as f64, (c * length) as f64);
+                let got = atan2(s * length, c * length);
+                assert!((got as f64 - truth).abs() < 4e-7, "atan2({s}, {c}) * {length} = {got} not {truth}");
+            }
+            let cosine = i as f32 / 4000.0;
+            assert!((acos(cosine) as f64 - exact::acos(cosine as f64)).abs() < 4e-7, "acos({cosine})");
+        }
+        assert_eq!((atan2(0.0, 0.0), atan2(-0.0, -1.0), acos(2.0)), (0.0, std::f32::consts::PI, 0.0));
+        assert!([f32::NAN, f32::INFINITY, -1e30].iter().all(|&x| sin_cos(x).0.abs() <= 1.0));
     }
 
     #[test]
