@@ -4,22 +4,45 @@
 //! that the engine also runs where there is no file system. The first valid form of everything is [`Mesh`], [`Image`],
 //! [`Field`], [`Scene`]; no format's quirk gets past its reader.
 
+mod dem;
+mod edges;
 pub mod field;
+pub mod files;
 pub mod glb;
 pub mod gltf_in;
+pub mod height_map;
 pub mod image;
 pub mod image_files;
 pub mod image_write;
 pub mod material;
 pub mod mend;
 pub mod mesh;
+mod mtl;
+mod normals;
+pub mod npy;
+pub mod obj;
+mod obj_write;
+pub mod off;
+mod pieces;
+pub mod ply;
+mod ply_header;
+pub mod ply_write;
+mod polygon;
 pub mod scene;
+mod split;
+pub mod stl;
+mod text;
+pub mod topology;
+mod weld;
+mod winding;
 
 pub use field::{Element, Field, Values};
 pub use image::{Image, Texels, TextureImage};
 pub use material::{AlphaMode, Filter, Material, MinFilter, Sampler, TextureRef, UvTransform, Wrap};
+pub use mend::MendOptions;
 pub use mesh::{Mesh, Part, RawMesh, UvSet};
 pub use scene::{Scene, SceneCamera, SceneLight, SceneLightKind};
+pub use topology::Topology;
 
 /// Fetches a file that another file names, by the name as written there (percent-decoded, forward slashes).
 pub type Neighbours<'a> = dyn Fn(&str) -> std::io::Result<Vec<u8>> + 'a;
