@@ -4,7 +4,12 @@ mod atlas;
 pub mod bench;
 pub mod chameleon;
 mod curve;
+pub mod plain;
 mod sheet;
+#[cfg(test)]
+mod solid;
+pub mod terrain;
+pub mod texture;
 mod tube;
 
 use crate::assets::Scene;
@@ -12,6 +17,7 @@ use crate::assets::Scene;
 /// The sample of that name.
 pub fn scene(name: &str, resolution: u32, seed: u32) -> Option<Scene> {
     match name {
+        "terrain" => Some(terrain::scene(resolution, 1024, seed)),
         "chameleon" => Some(chameleon::scene(resolution, 1024, seed)),
         _ => None,
     }

@@ -55,7 +55,11 @@ fn body(at: &Skin) -> Rgb {
     let belly_edge = 1.95 + 0.14 * wander + 0.35 * smooth(3.2, 5.0, s) - 0.12 * smooth(1.2, 0.0, s);
     c = mix(c, scales(along(&BELLY, s), at), smooth(belly_edge - 0.22, belly_edge + 0.30, around));
     // A darker ridge along the back.
-    c = mix(c, shade(along(&BACK, s), 0.78), 0.55 * (1.0 - smooth(0.0, 0.42 + 0.1 * wander, around)) * smooth(0.5, 1.2, s));
+    c = mix(
+        c,
+        shade(along(&BACK, s), 0.78),
+        0.55 * (1.0 - smooth(0.0, 0.42 + 0.1 * wander, around)) * smooth(0.5, 1.2, s),
+    );
     c = saddles(c, at, wander);
     c = dots(c, at);
     face(c, at)
@@ -71,8 +75,7 @@ const BACK: [(f64, u32); 7] = [
     (6.5, 0x1a80a8),
     (9.0, 0x3a6fb0),
 ];
-const BELLY: [(f64, u32); 5] =
-    [(0.0, 0xf3f2b4), (1.5, 0xeef3bd), (3.0, 0xd2efc6), (4.5, 0x8fdcca), (8.0, 0x6fc3d8)];
+const BELLY: [(f64, u32); 5] = [(0.0, 0xf3f2b4), (1.5, 0xeef3bd), (3.0, 0xd2efc6), (4.5, 0x8fdcca), (8.0, 0x6fc3d8)];
 
 /// Warm bands that hang from the back like saddles and close to rings on the tail.
 fn saddles(c: Rgb, at: &Skin, wander: f64) -> Rgb {
@@ -137,11 +140,11 @@ fn face(c: Rgb, at: &Skin) -> Rgb {
     c = mix(c, rgb(0xf98a68), 0.62 * (1.0 - smooth(0.05, 0.20, d)));
     // The mouth: lips a little lighter below, the line itself dark, its corner turned up.
     let t = s / landmark::MOUTH_CORNER;
-    let mouth = 1.76 + 0.30 * smooth(0.0, 0.55, t) - 0.42 * smooth(0.55, 1.04, t);
+    let mouth = 1.70 + 0.28 * smooth(0.0, 0.5, t) - 0.50 * smooth(0.5, 1.06, t);
     let d = (around - mouth) * local;
     let on = 1.0 - smooth(landmark::MOUTH_CORNER - 0.01, landmark::MOUTH_CORNER + 0.015, s);
     c = mix(c, rgb(0xf7f5c6), 0.5 * on * smooth(-0.005, 0.01, d) * (1.0 - smooth(0.02, 0.10, d)));
-    let width = 0.017 * (1.0 - 0.35 * t);
+    let width = 0.020 * (1.0 - 0.35 * t);
     c = mix(c, rgb(0x1c4a35), on * edge(width - d.abs(), texel));
     let corner = (sq(s - landmark::MOUTH_CORNER) + sq(d)).sqrt();
     c = mix(c, rgb(0x1c4a35), edge(0.024 - corner, texel));
