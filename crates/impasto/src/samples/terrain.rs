@@ -16,40 +16,34 @@ use crate::samples::texture::{Rgb, mix, rgb};
 /// Edge length of the terrain: a unit is a kilometre.
 pub const WIDTH: f64 = 10.0;
 
-/// Height in kilometres at a place, both coordinates in [0, 1], x east and y south. About 0 to 2.
+/// Height in kilometres at a place, both coordinates in [0, 1], x east and y south. About 0 to 1.5.
 pub fn height(place: Vec2, seed: u32) -> f32 {
-    let p = place * 3.2;
+    let p = place * 2.6;
     // Where there are mountains at all, and a warp that bends their ridges.
-    let relief = fbm_2d(p * 0.55 + vec2(3.7, 1.3), 2, 0.5, Lattice::seeded(seed ^ 0x51));
-    let warp = vec2(
-        fbm_2d(p * 0.9, 2, 0.5, Lattice::seeded(seed ^ 0xa1)).value,
-        fbm_2d(p * 0.9, 2, 0.5, Lattice::seeded(seed ^ 0xb2)).value,
-    );
-    let p = p + warp * 0.55;
+    let relief = fbm_2d(p * 0.7 + vec2(3.7, 1.3), 2, 0.5, Lattice::seeded(seed ^ 0x51)).value;
+    let bend = |salt: u32| fbm_2d(p * 1.1, 3, 0.5, Lattice::seeded(seed ^ salt)).value;
+    let p = p + vec2(bend(0xa1), bend(0xb2)) * 0.35;
     let mut lattice = Lattice::seeded(seed);
     let (mut sum, mut strength, mut scale, mut slope) = (0.0f32, 1.0f32, 1.0f32, Vec2::ZERO);
     let mut crest = 1.0f32;
-    for octave in 0..10 {
+    for _ in 0..10 {
         let n = gradient_2d(p * scale, lattice);
-        if octave < 4 {
-            // Ridges: folded noise, finer ones only on coarser ones.
-            let fold = 1.0 - (n.value * n.value + 0.004).sqrt();
-            let ridge = fold * fold * crest;
-            crest = (ridge * 1.6).clamp(0.0, 1.0);
-            sum += strength * ridge;
-            slope += n.gradient * (strength * 0.8 * crest);
-        } else {
-            slope += n.gradient * strength * 2.0;
-            sum += strength * 0.9 * n.value / (1.0 + slope.length_squared() * 0.35);
-        }
-        (strength, scale, lattice) = (strength * 0.46, scale * 2.03, lattice.octave());
+        // Ridges: folded noise, rounded a little, finer ones only on coarser ones.
+        let root = (n.value * n.value + 0.0012).sqrt();
+        let fold = 1.0 - root;
+        let ridge = fold * fold * crest;
+        let worn = 1.0 / (1.0 + 0.05 * slope.length_squared());
+        sum += strength * worn * ridge;
+        slope += n.gradient * (-2.0 * fold * n.value / root * crest * strength * scale);
+        crest = (ridge * 1.7).clamp(0.0, 1.0);
+        (strength, scale, lattice) = (strength * 0.5, scale * 2.03, lattice.octave());
     }
-    let high = smooth(-0.45, 0.55, relief.value);
-    // Valleys are filled: low ground is flatter than the noise.
-    let h = sum * (0.25 + 0.75 * high);
-    let floor = 0.22;
-    let h = if h < floor + 0.2 { floor + (h - floor) * smooth_ramp((h - floor) / 0.2) } else { h };
-    (h - floor) * 1.55
+    // Low ground is filled and flat; mountains rise where the relief wants them.
+    let h = (sum - 0.45) * (0.30 + 0.70 * smooth(-0.40, 0.35, relief));
+    let plain = 0.10;
+    let over = h - plain;
+    let filled = 0.5 * (over + (over * over + 0.02).sqrt());
+    1.35 * filled + 0.03 * relief + 0.012 * fbm_2d(place * 22.0, 3, 0.5, Lattice::seeded(seed ^ 0xc3)).value
 }
 
 /// A square of `n` x `n` cells, its middle at the origin, +Y up, u east and v south, with fields `elevation` in metres and
@@ -113,15 +107,15 @@ fn ground(place: Vec2, h: f32, slope: Vec2, seed: u32) -> Rgb {
     let steep = slope.length();
     let rough = fbm_2d(place * 60.0, 4, 0.6, Lattice::seeded(seed ^ 0x77)).value;
     let patch = fbm_2d(place * 14.0, 3, 0.5, Lattice::seeded(seed ^ 0x78)).value;
-    let mut c = mix(rgb(0xa7b56a), rgb(0x7f9a4f), smooth(0.0, 0.25, h + 0.1 * patch));
-    c = mix(c, rgb(0x4f7445), smooth(0.18, 0.42, h + 0.22 * patch) * smooth(0.75, 0.45, steep));
-    c = mix(c, rgb(0xa39a75), smooth(0.62, 0.85, h + 0.12 * patch));
+    let mut c = mix(rgb(0x8f9a5c), rgb(0x6f8548), smooth(0.0, 0.25, h + 0.1 * patch));
+    c = mix(c, rgb(0x41603a), smooth(0.10, 0.24, h + 0.16 * patch) * smooth(1.0, 0.6, steep));
+    c = mix(c, rgb(0x938a68), smooth(0.48, 0.66, h + 0.12 * patch));
     // Rock in layers wherever it is steep.
-    let layer = 0.5 + 0.5 * crate::math::exact::sin((h * 95.0 + 4.0 * rough) as f64) as f32;
-    let rock = mix(rgb(0x857b70), rgb(0xa89c8c), 0.35 * layer + 0.35 * (0.5 + rough));
-    c = mix(c, rock, smooth(0.55, 0.85, steep + 0.22 * rough).max(0.85 * smooth(0.95, 1.15, h + 0.1 * rough)));
+    let layer = 0.5 + 0.5 * crate::math::exact::sin((h * 34.0 + 5.0 * rough + 6.0 * patch) as f64) as f32;
+    let rock = mix(rgb(0x857b70), rgb(0xa89c8c), 0.3 * layer + 0.5 * (0.5 + rough));
+    c = mix(c, rock, smooth(0.75, 1.05, steep + 0.25 * rough).max(0.85 * smooth(0.70, 0.85, h + 0.1 * rough)));
     // Snow lies high, on what is not too steep, deeper on the north side.
-    let lies = smooth(0.98, 1.22, h + 0.16 * patch + 0.10 * rough + 0.08 * slope.y) * smooth(1.35, 0.85, steep);
+    let lies = smooth(0.74, 0.92, h + 0.12 * patch + 0.08 * rough + 0.06 * slope.y) * smooth(1.7, 1.0, steep);
     c = mix(c, rgb(0xf6f8fb), lies);
     c.map(|x| x * (1.0 + 0.09 * rough * (1.0 - lies)))
 }
@@ -147,11 +141,6 @@ pub fn scene(n: u32, texture_size: u32, seed: u32) -> Scene {
 fn smooth(a: f32, b: f32, x: f32) -> f32 {
     let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
-}
-
-/// 0.25 below 0, 1 above 1.
-fn smooth_ramp(x: f32) -> f32 {
-    0.25 + 0.75 * smooth(0.0, 1.0, x)
 }
 
 #[cfg(test)]
