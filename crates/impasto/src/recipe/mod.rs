@@ -5,6 +5,7 @@
 //! All keys are optional and have the program's defaults. This module alone knows `serde`.
 
 pub mod layer;
+pub mod output;
 mod stack;
 pub mod render;
 pub mod prepare;

@@ -258,3 +258,20 @@ pub(super) fn develop(recipe: &Recipe, is_lit: bool) -> Result<Develop> {
     }
     Ok(Develop { curve, exposure, ..Develop::PLAIN })
 }
+
+impl std::fmt::Display for View {
+    /// Enough to set the same camera again.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let camera = match self {
+            Self::Camera(camera) => camera,
+            Self::Atlas(set) => return write!(f, "atlas of UV set {set}"),
+        };
+        let v = |v: Vec3| format!("{},{},{}", v.x, v.y, v.z);
+        let [_, up, back] = camera.axes();
+        write!(f, "eye {} toward {} up {}", v(camera.eye()), v(-back), v(up))?;
+        match camera.projection {
+            Projection::Perspective { fov_y } => write!(f, " fov {} degrees", fov_y.to_degrees()),
+            Projection::Orthographic { height } => write!(f, " parallel, height {height}"),
+        }
+    }
+}
