@@ -11,7 +11,8 @@ fn main() {
         println!("cargo::rerun-if-changed={}", topic.display());
         recipes.extend(sorted(&topic).into_iter().filter(|p| p.extension().is_some_and(|e| e == "toml")));
     }
-    let mut code = String::from("/// Path within the gallery, and text, of every recipe.\nconst RECIPES: &[(&str, &str)] = &[\n");
+    let mut code =
+        String::from("/// Path within the gallery, and text, of every recipe.\nconst RECIPES: &[(&str, &str)] = &[\n");
     for path in recipes {
         println!("cargo::rerun-if-changed={}", path.display());
         let name = path.strip_prefix(&gallery).expect("recipes lie in the gallery").display().to_string();

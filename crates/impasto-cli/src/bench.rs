@@ -4,7 +4,8 @@ use anyhow::{Context, Result, bail};
 use impasto::math::Size;
 use impasto::par::Workers;
 use impasto::picture::baseline::Baseline;
-use impasto::picture::{self, Develop, render};
+use impasto::picture::render::{self, Renderer};
+use impasto::picture::{self, Develop};
 use impasto::samples::bench::NAMES;
 use impasto::visibility::{Domain, Samples, Tiles};
 use std::time::Instant;
@@ -59,7 +60,7 @@ pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
         .with_context(|| format!("no scene {:?}; there are {}", args.scene, NAMES.join(", ")))?;
     let Some(samples) = Samples::from_n(args.samples) else { bail!("{} samples: choose 1, 4 or 16", args.samples) };
     let shot = baseline.shot(samples);
-    let mut tiles = Tiles::default();
+    let mut renderer = Renderer::default();
     let mut picture = vec![[0u8; 4]; args.size.n_cells()];
     let draws = render::draws(&baseline.mesh, shot.looks);
     let mut times = Vec::new();
@@ -76,11 +77,11 @@ pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
         };
         let camera = baseline.camera(number);
         let domain = Domain::through_camera(&baseline.mesh, &camera, args.size);
-        tiles.snap(&domain, workers);
+        renderer.tiles.snap(&domain, workers);
         let vertex = stage();
-        tiles.sort(&domain, &draws, samples, workers);
+        renderer.tiles.sort(&domain, &draws, samples, workers);
         let bin = stage();
-        draw(&tiles, &domain, &shot, workers, args.size, &mut picture);
+        draw(&renderer, &domain, &shot, workers, args.size, &mut picture);
         let tiles_ms = stage();
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
         if frame >= args.warm {
@@ -90,7 +91,7 @@ pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
             dumped = Some(picture.clone());
         }
     }
-    let raster = raster_alone(&baseline, &mut tiles, samples, args.size, workers);
+    let raster = raster_alone(&baseline, &mut renderer.tiles, samples, args.size, workers);
     report(args, &baseline, &times, raster, dumped.as_deref().unwrap_or(&picture))?;
     if let (Some(path), Some(picture)) = (&args.dump, &dumped) {
         let rows = picture.chunks(args.size.width as usize).rev();
@@ -100,9 +101,16 @@ pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
     Ok(())
 }
 
-fn draw(tiles: &Tiles, domain: &Domain, shot: &render::Shot, workers: &Workers, size: Size, picture: &mut [[u8; 4]]) {
+fn draw(
+    renderer: &Renderer,
+    domain: &Domain,
+    shot: &render::Shot,
+    workers: &Workers,
+    size: Size,
+    picture: &mut [[u8; 4]],
+) {
     let develop: Develop = Baseline::DEVELOP;
-    render::render(tiles, domain, shot, workers, picture, |[_, y], light, row| {
+    renderer.shade(domain, shot, workers, picture, |[_, y], light, row| {
         let under = Baseline::BACKGROUND.row(y, size);
         picture::develop_row(&develop, workers, light, under, y, row);
     });

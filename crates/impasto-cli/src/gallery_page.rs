@@ -25,12 +25,24 @@ impl Panel<'_> {
 const TOPICS: [(&str, &str, &str); 10] = [
     ("hero", "Impasto", ""),
     ("samples", "Surfaces by formula", "Everything here is drawn from these; no file is read."),
-    ("coordinates", "Where the picture falls", "Each coordinate source on the same figure: layouts, projections, directions, data."),
+    (
+        "coordinates",
+        "Where the picture falls",
+        "Each coordinate source on the same figure: layouts, projections, directions, data.",
+    ),
     ("wrap", "Beyond the edge", "The four ways a texture goes on where it ends."),
-    ("filters", "Near and far", "Two ways to enlarge, six classic ways to reduce, and more taps along a slanted footprint."),
+    (
+        "filters",
+        "Near and far",
+        "Two ways to enlarge, six classic ways to reduce, and more taps along a slanted footprint.",
+    ),
     ("operators", "What a layer does", "OpenGL's table for each texel format, and a few of our own."),
     ("light", "In which light", "Lights, shading models and environments, on the same clay."),
-    ("edges", "Edges and openings", "Antialiasing close up, surfaces that are there in places, surfaces that are seen through."),
+    (
+        "edges",
+        "Edges and openings",
+        "Antialiasing close up, surfaces that are there in places, surfaces that are seen through.",
+    ),
     ("backgrounds", "Before what", "Backgrounds by name, and transparent pictures."),
     ("information", "Textures as information", "The buffer behind a picture: every pixel knows its texel."),
 ];

@@ -84,7 +84,8 @@ fn to_text(scene: &Scene, mended: &[Mended]) -> Result<String> {
     let mut sheet = Sheet { text: String::new() };
     sheet.line("file", &scene.name)?;
     let up = if scene.up_note.is_empty() { "+Y, as the file has it" } else { &scene.up_note };
-    let counts = format!("{} triangles, {} vertices", info_count(mesh.triangles().len()), info_count(mesh.positions().len()));
+    let counts =
+        format!("{} triangles, {} vertices", info_count(mesh.triangles().len()), info_count(mesh.positions().len()));
     sheet.line("surface", counts)?;
     let topology = Topology::of(mesh);
     sheet.line("shape", shape(&topology))?;
@@ -93,7 +94,13 @@ fn to_text(scene: &Scene, mended: &[Mended]) -> Result<String> {
         let rows: Vec<Vec<String>> = (0..3)
             .map(|k| {
                 let axis = ["x", "y", "z"][k].to_owned();
-                vec![axis, short(b.min[k] as f64), "to".into(), short(b.max[k] as f64), format!("({})", short(b.extent()[k] as f64))]
+                vec![
+                    axis,
+                    short(b.min[k] as f64),
+                    "to".into(),
+                    short(b.max[k] as f64),
+                    format!("({})", short(b.extent()[k] as f64)),
+                ]
             })
             .collect();
         sheet.table("bounds", &rows, &[1, 3])?;
@@ -105,7 +112,10 @@ fn to_text(scene: &Scene, mended: &[Mended]) -> Result<String> {
         (!mesh.colors().is_empty(), "colours"),
     ];
     let there: Vec<&str> = attributes.iter().filter(|(is, _)| *is).map(|(_, n)| *n).collect();
-    sheet.line("vertices", if there.is_empty() { "positions only".into() } else { format!("with {}", there.join(", ")) })?;
+    sheet.line(
+        "vertices",
+        if there.is_empty() { "positions only".into() } else { format!("with {}", there.join(", ")) },
+    )?;
     match mesh.uv_sets().len() {
         0 => sheet.line("uv sets", "none; --unwrap makes one")?,
         _ => sheet.table("uv sets", &uv_rows(scene), &[2, 4, 7, 9])?,
@@ -193,7 +203,8 @@ fn uv_rows(scene: &Scene) -> Vec<Vec<String>> {
 }
 
 fn part_rows(scene: &Scene) -> Vec<Vec<String>> {
-    let material = |m: Option<u32>| m.and_then(|m| scene.materials.get(m as usize)).map_or("clay".into(), |m| name(&m.name));
+    let material =
+        |m: Option<u32>| m.and_then(|m| scene.materials.get(m as usize)).map_or("clay".into(), |m| name(&m.name));
     let row = |p: &impasto::assets::Part| {
         vec![name(&p.name), format!("{} triangles", info_count(p.triangles.len())), material(p.material)]
     };
@@ -214,7 +225,11 @@ fn material_rows(scene: &Scene) -> Vec<Vec<String>> {
         if m.base_color[3] != 1.0 {
             traits.push(format!("alpha {a}"));
         }
-        traits.push(if m.unlit { "unlit".into() } else { format!("metalness {} roughness {}", short_f32(m.metalness), short_f32(m.roughness)) });
+        traits.push(if m.unlit {
+            "unlit".into()
+        } else {
+            format!("metalness {} roughness {}", short_f32(m.metalness), short_f32(m.roughness))
+        });
         match m.alpha_mode {
             impasto::assets::AlphaMode::Opaque => {}
             impasto::assets::AlphaMode::Mask(cutoff) => traits.push(format!("mask {}", short_f32(cutoff))),
@@ -290,7 +305,13 @@ fn encoding(e: Encoding) -> &'static str {
 fn image_rows(scene: &Scene) -> Vec<Vec<String>> {
     let channels = |n: u8| ["grey", "grey + alpha", "RGB", "RGBA"][(n.clamp(1, 4) - 1) as usize].to_owned();
     let row = |i: &impasto::assets::TextureImage| {
-        vec![name(&i.name), i.texels.size().to_string(), channels(i.n_channels), texels(&i.texels).into(), encoding(i.encoding).into()]
+        vec![
+            name(&i.name),
+            i.texels.size().to_string(),
+            channels(i.n_channels),
+            texels(&i.texels).into(),
+            encoding(i.encoding).into(),
+        ]
     };
     scene.images.iter().map(row).collect()
 }
@@ -318,7 +339,11 @@ fn field_rows(scene: &Scene) -> Vec<Vec<String>> {
                 false => row.extend(["".into(), "".into(), "".into()]),
             }
             row.push(f.unit.clone());
-            row.push(if range.n_missing > 0 { format!("{} missing", info_count(range.n_missing)) } else { String::new() });
+            row.push(if range.n_missing > 0 {
+                format!("{} missing", info_count(range.n_missing))
+            } else {
+                String::new()
+            });
             rows.push(row);
         }
     }

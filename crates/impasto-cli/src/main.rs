@@ -66,8 +66,9 @@ fn run_command(cli: Cli) -> Result<()> {
     let workers = match &cli.simd {
         None => Workers::new(cli.threads),
         Some(name) => {
-            let level = level_by_name(name)
-                .with_context(|| format!("no SIMD level {name:?} on this machine; known are {}", LEVEL_NAMES.join(", ")))?;
+            let level = level_by_name(name).with_context(|| {
+                format!("no SIMD level {name:?} on this machine; known are {}", LEVEL_NAMES.join(", "))
+            })?;
             Workers::with_level(cli.threads, level)
         }
     };

@@ -14,13 +14,15 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
 
 /// X,Y,Z.
 fn triple(text: &str) -> Result<[f32; 3], String> {
-    let numbers: Vec<f32> = text.split(',').filter_map(|s| s.trim().parse().ok()).filter(|x: &f32| x.is_finite()).collect();
+    let numbers: Vec<f32> =
+        text.split(',').filter_map(|s| s.trim().parse().ok()).filter(|x: &f32| x.is_finite()).collect();
     numbers.try_into().map_err(|_| "write three numbers, such as 1,2.5,-3".into())
 }
 
 /// A,B.
 fn pair(text: &str) -> Result<[f64; 2], String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|s| s.trim().parse().ok()).filter(|x: &f64| x.is_finite()).collect();
+    let numbers: Vec<f64> =
+        text.split(',').filter_map(|s| s.trim().parse().ok()).filter(|x: &f64| x.is_finite()).collect();
     numbers.try_into().map_err(|_| "write two numbers, such as 0,100".into())
 }
 
@@ -156,7 +158,9 @@ impl Look {
             None => {}
             Some((_, Some((azimuth, elevation)))) => match (azimuth.trim().parse(), elevation.trim().parse()) {
                 (Ok(a), Ok(e)) => (camera.azimuth, camera.elevation) = (Some(a), Some(e)),
-                _ => bail!("camera {azimuth},{elevation} is not possible: azimuth and elevation are degrees, like 35,20"),
+                _ => {
+                    bail!("camera {azimuth},{elevation} is not possible: azimuth and elevation are degrees, like 35,20")
+                }
             },
             Some((name, None)) => camera.view = Some(name.into()),
         }

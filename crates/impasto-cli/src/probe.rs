@@ -130,7 +130,10 @@ fn found_text(text: &mut String, f: &Found, prepared: &Prepared) -> Result<()> {
     let mut line = |key: &str, value: String| writeln!(text, "  {key:<16}{value}");
     let (part, material) = names(f, prepared);
     let side = if f.is_front { "front" } else { "back" };
-    line("triangle", format!("{} ({side}), face {} of the file, vertices {:?}", f.triangle, f.source_face, f.vertices))?;
+    line(
+        "triangle",
+        format!("{} ({side}), face {} of the file, vertices {:?}", f.triangle, f.source_face, f.vertices),
+    )?;
     line("part", if part.is_empty() { format!("{}", f.part) } else { format!("{} {part:?}", f.part) })?;
     line("material", material)?;
     line("barycentric", list(&f.barycentric))?;

@@ -22,7 +22,6 @@ struct Head<'a> {
     /// `f4`, `i2` ...
     kind: &'a str,
     is_big: bool,
-    is_fortran: bool,
 }
 
 /// Reads an array of integers, floats or truth values in either byte order, the first or the last axis fastest.
@@ -58,10 +57,11 @@ pub fn read(bytes: &[u8], path: &Path) -> Result<Array> {
         bad(&format!("an array of shape {shape:?} needs {} bytes, the file has {}", n * size, data.len()))
     })?;
     let mut values = Vec::with_capacity(n);
-    let head = Head { kind, is_big: order == ">", is_fortran };
+    let head = Head { kind, is_big: order == ">" };
     values.extend(data.chunks_exact(size).map(|item| head.number(item)));
     if is_fortran && shape.len() == 2 {
-        values = (0..shape[0]).flat_map(|i| (0..shape[1]).map(move |j| j * shape[0] + i)).map(|k| values[k]).collect();
+        let [rows, columns] = [shape[0], shape[1]];
+        values = (0..n).map(|i| values[i % columns * rows + i / columns]).collect();
     }
     Ok(Array { shape, values })
 }
@@ -126,7 +126,7 @@ pub(super) fn read_npz(bytes: &[u8], path: &Path, key: Option<&str>) -> Result<H
     for i in 0..archive.len().min(4096) {
         let mut data = Vec::new();
         let entry = archive.by_index(i).map_err(|e| format_error(path, e.to_string()))?;
-        let full_name = entry.name().to_string();
+        let Ok(full_name) = entry.name().map(|n| n.into_owned()) else { continue };
         let Some(name) = full_name.strip_suffix(".npy") else { continue };
         names.push(name.to_string());
         let is_wanted = key.is_none_or(|k| k == name);

@@ -43,11 +43,8 @@ pub fn quantities(buffer: &InfoBuffer, domain: &Domain, shot: &Shot, workers: &W
         values: Values::U32(cells.iter().map(|t| t.map_or(u32::MAX, f)).collect()),
     };
     let face = |t: u32| mesh.source_faces().get(t as usize).copied().unwrap_or(t);
-    let mut made = vec![
-        of_ids("triangle", &|t| t),
-        of_ids("face", &face),
-        of_ids("part", &|t| part_of(mesh, t) as u32),
-    ];
+    let mut made =
+        vec![of_ids("triangle", &|t| t), of_ids("face", &face), of_ids("part", &|t| part_of(mesh, t) as u32)];
     let size = buffer.size;
     let depth = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y)));
     let depth = depth.map(|(x, y)| buffer.at(x, y)).map(|(t, d)| if t == Hit::NOTHING { f32::NAN } else { d });
@@ -161,11 +158,7 @@ pub(super) fn texels_of(
 ) -> Vec<Option<TexelAddress>> {
     let mesh = domain.mesh;
     let needs = shot.looks.needs().or(everything(mesh));
-    let uv = Layer::new(
-        crate::lookup::TextureId(0),
-        crate::lookup::Operator::Replace,
-        Target::Color,
-    );
+    let uv = Layer::new(crate::lookup::TextureId(0), crate::lookup::Operator::Replace, Target::Color);
     let rows = each_row(buffer, domain, needs, workers, |surfels, out| {
         let mut coords = TexCoords::ZERO;
         let mut placed: Option<usize> = None;
@@ -174,9 +167,7 @@ pub(super) fn texels_of(
             let found = addressed(shot.looks, look).map(|(l, image)| (l, image.size(), image.sampler().wrap));
             let found = match (found, size) {
                 (Some((layer, _, wrap)), Some(size)) => Some((layer, size, wrap)),
-                (None, Some(size)) if !mesh.uv_sets().is_empty() => {
-                    Some((&uv, size, [crate::assets::Wrap::Repeat; 3]))
-                }
+                (None, Some(size)) if !mesh.uv_sets().is_empty() => Some((&uv, size, [crate::assets::Wrap::Repeat; 3])),
                 (found, _) => found,
             };
             let Some((layer, size, wrap)) = found else {
@@ -187,10 +178,7 @@ pub(super) fn texels_of(
                 placement::place(&layer.placement, &layer.matrix, &domain.view, mesh, surfels, &mut coords);
                 placed = Some(look);
             }
-            let at = (
-                texel(coords.st[0][i], wrap[0], size.width),
-                texel(coords.st[1][i], wrap[1], size.height),
-            );
+            let at = (texel(coords.st[0][i], wrap[0], size.width), texel(coords.st[1][i], wrap[1], size.height));
             out.push(if let (Some(u), Some(v)) = at { Some(TexelAddress { u, v }) } else { None });
         }
     });

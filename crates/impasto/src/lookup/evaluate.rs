@@ -10,7 +10,7 @@ use crate::lookup::operator::{Gate, Operator, combine_alpha, combine_color, comb
 use crate::lookup::read::ReadScratch;
 use crate::lookup::{BaseFormat, Looks, Reading, Surfaces};
 use crate::math::{BATCH, Lane};
-use crate::placement::{self, Surfels, TexCoords, Viewpoint};
+use crate::placement::{self, Placement, Surfels, TexCoords, Viewpoint};
 use fearless_simd::Simd;
 
 /// The points a question is about.
@@ -205,7 +205,8 @@ fn stack<S: Simd>(
             let slopes = &mut scratch.rearranged;
             let reading = &scratch.reading;
             if matches!(layer.target, Target::Bump { .. }) && !texture.holds_slopes() {
-                let mut differences = Differences { texture, read: read_texture, shifted: &mut TexCoords::ZERO.clone() };
+                let mut differences =
+                    Differences { texture, read: read_texture, shifted: &mut TexCoords::ZERO.clone() };
                 differences.slopes(simd, (coords, layer.channels[0]), n, reading, slopes);
                 normal::bump(simd, layer, (points, coords), slopes, &mut scratch.bumps, out);
             } else {
@@ -227,21 +228,20 @@ fn stack<S: Simd>(
     }
 }
 
-/// Fills coordinates unless the surfels hold them; false when the mesh has no such coordinates.
+/// Fills coordinates unless the surfels hold them; false when the mesh lacks what they come from.
 fn place(layer: &Layer, points: Points, coords: &mut TexCoords) -> bool {
-    let sets = placement::needs(&layer.placement).uv_sets;
-    let n_sets = points.surfels.uv.len().min(32);
-    if n_sets < 32 && sets >> n_sets != 0 {
+    let n_sets = points.surfels.uv.len();
+    if !layer.placement.fits(points.mesh) || matches!(layer.placement, Placement::Uv(set) if set >= n_sets) {
         return false;
     }
-    if placement::as_uv(&layer.placement, &layer.matrix).is_none() {
+    if layer.placement.as_uv(&layer.matrix).is_none() {
         placement::place(&layer.placement, &layer.matrix, points.view, points.mesh, points.surfels, coords);
     }
     true
 }
 
 fn coords<'a>(layer: &Layer, points: Points<'a>, placed: &'a TexCoords) -> &'a TexCoords {
-    match placement::as_uv(&layer.placement, &layer.matrix) {
+    match layer.placement.as_uv(&layer.matrix) {
         Some(set) => &points.surfels.uv[set],
         None => placed,
     }

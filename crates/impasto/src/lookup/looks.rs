@@ -26,7 +26,8 @@ impl Looks {
         let has_colors = !scene.mesh.colors().is_empty();
         let n_uv_sets = scene.mesh.uv_sets().len();
         for material in &scene.materials {
-            let mut stack = Stack { images: &scene.images, n_uv_sets, made: &mut made, known: &mut known, layers: vec![] };
+            let mut stack =
+                Stack { images: &scene.images, n_uv_sets, made: &mut made, known: &mut known, layers: vec![] };
             stack.push_material(material);
             let layers = stack.layers;
             made.looks.push(look(material, layers, has_colors));
@@ -139,7 +140,7 @@ impl Stack<'_> {
     ) {
         let Some(texture) = texture.filter(|t| self.is_there(t)) else { return };
         let mut layer = Layer::new(self.texture(&texture, usage), operator, target);
-        layer.placement = Placement::Uv(texture.uv_set);
+        layer.placement = Placement::Uv(texture.uv_set as usize);
         layer.matrix = matrix(&texture.transform);
         if let Some(channel) = channel {
             layer.channels[0] = channel;

@@ -8,7 +8,7 @@ use crate::lookup::layer::{Layer, Look, Target, Texture};
 use crate::lookup::operator::Gate;
 use crate::lookup::{Reading, Surfaces, Usage};
 use crate::math::{BATCH, Frame, Lane, Vec3, unit_or, vec3};
-use crate::placement::{self, Surfels, TexCoords};
+use crate::placement::{Placement, Surfels, TexCoords};
 use fearless_simd::Simd;
 
 /// What bump layers leave for the end.
@@ -54,8 +54,7 @@ pub(super) fn bump<S: Simd>(
         bumps.is_rough[which] = true;
         bumps.variance[which][..n].fill(0.0);
     }
-    let has_tangents =
-        !points.mesh.tangents().is_empty() && matches!(layer.placement, placement::Placement::Uv(_));
+    let has_tangents = !points.mesh.tangents().is_empty() && matches!(layer.placement, Placement::Uv(_));
     let gate = Gate::new(1.0, reading);
     let scale = scale * layer.strength;
     let normals = if which == 0 { &mut out.normal } else { &mut out.coat_normal };

@@ -179,8 +179,8 @@ fn check(texture: &ImageTexture, at: &TexCoords, tolerance: f64, what: &str) {
         // Where a nearest texel or level changes, rounding decides; elsewhere all must agree.
         let edge = |x: f64| (x - x.round()).abs() < 1e-3;
         let near_level = [level, level + 0.5].into_iter().any(edge);
-        let near_texel = (0..texture.levels.len())
-            .any(|l| (0..3).any(|a| edge(str[a] * texture.levels[l].size[a] as f64)));
+        let near_texel =
+            (0..texture.levels.len()).any(|l| (0..3).any(|a| edge(str[a] * texture.levels[l].size[a] as f64)));
         let has_nearest = texture.sampler.mag == Filter::Nearest
             || !matches!(texture.sampler.min, MinFilter::Linear | MinFilter::LinearMipmapLinear);
         if near_level || (near_texel && has_nearest) {
@@ -359,7 +359,8 @@ fn every_simd_level_and_batch_size_gives_the_same_bits() {
 
 #[test]
 fn strange_coordinates_never_leave_the_texture() {
-    let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, 1e9, -3e9, 1e-40, -1e-9, 0.0, 1.0, 16777215.5];
+    let odd =
+        [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, 1e9, -3e9, 1e-40, -1e-9, 0.0, 1.0, 16777215.5];
     let mut at = TexCoords::ZERO;
     for round in 0..8 {
         for i in 0..BATCH {

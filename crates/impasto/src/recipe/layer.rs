@@ -225,7 +225,8 @@ mod tests {
 
     #[test]
     fn layers_are_written_in_one_line() {
-        let layer = LayerRecipe::parse_inline("sample:bricks coordinate=cylindrical scale=4,2 operator=blend color=#ff0000");
+        let layer =
+            LayerRecipe::parse_inline("sample:bricks coordinate=cylindrical scale=4,2 operator=blend color=#ff0000");
         let wanted = LayerRecipe {
             image: Some("sample:bricks".into()),
             coordinate: Some("cylindrical".into()),

@@ -15,8 +15,8 @@ pub mod view;
 mod words;
 
 pub use layer::LayerRecipe;
-pub use render::Picture;
 pub use prepare::{Prepared, prepare};
+pub use render::Picture;
 pub use view::View;
 pub use words::color;
 

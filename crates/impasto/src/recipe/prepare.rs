@@ -2,9 +2,7 @@
 
 use crate::assets::{AlphaMode, Scene, TextureImage};
 use crate::error::{Error, Mended, Report, Result, note};
-use crate::lookup::{
-    ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading, Target, Texture, Usage,
-};
+use crate::lookup::{ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading, Target, Texture, Usage};
 use crate::math::Size;
 use crate::picture::{Background, Develop, Lighting};
 use crate::placement::{self, Placement, UnwrapOptions};
@@ -150,8 +148,7 @@ fn surface(recipe: &SurfaceRecipe, looks: &mut Looks) -> Result<()> {
         None => None,
         Some(given) => {
             let cutoff = unit("cutoff", recipe.cutoff)?.unwrap_or(0.5);
-            let modes =
-                [("opaque", AlphaMode::Opaque), ("blend", AlphaMode::Blend), ("mask", AlphaMode::Mask(cutoff))];
+            let modes = [("opaque", AlphaMode::Opaque), ("blend", AlphaMode::Blend), ("mask", AlphaMode::Mask(cutoff))];
             Some(choose("alpha_mode", given, &modes)?)
         }
     };
@@ -206,10 +203,8 @@ fn dress(looks: &mut Looks, image: &TextureImage, on: &stack::Ground) -> Result<
         let [.., alpha] = look.constants.color;
         look.constants.color = [1.0, 1.0, 1.0, alpha];
         look.uses_vertex_colors = false;
-        let layer = Layer {
-            placement: Placement::Uv(on.uv_set),
-            ..Layer::new(texture, Operator::Modulate, Target::Color)
-        };
+        let layer =
+            Layer { placement: Placement::Uv(on.uv_set), ..Layer::new(texture, Operator::Modulate, Target::Color) };
         look.layers.insert(0, layer);
     }
     Ok(())

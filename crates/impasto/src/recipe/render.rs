@@ -4,10 +4,10 @@ use crate::assets::image_write::{self, Numbers};
 use crate::color::{Encoding, LinearRgba};
 use crate::math::Size;
 use crate::par::Workers;
-use crate::picture::render::{self, Shortfall, Shot};
+use crate::picture::develop_row;
+use crate::picture::render::{Renderer, Shortfall, Shot};
 use crate::recipe::Prepared;
-use crate::visibility::{Domain, Samples, Tiles};
-use fearless_simd::dispatch;
+use crate::visibility::{Domain, Samples};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A finished picture.
@@ -47,8 +47,7 @@ impl Prepared {
     pub fn render(&self, workers: &Workers, progress: &(dyn Fn(f32) + Sync)) -> Picture {
         let mut pixels = vec![[0u8; 4]; self.size.n_cells()];
         let shortfall = self.draw(workers, progress, &mut pixels, |[_, y], light, row| {
-            let under = self.background.row(y, self.size);
-            dispatch!(workers.level(), simd => self.develop.rgba8(simd, light, under, y, row));
+            develop_row(&self.develop, workers, light, self.background.row(y, self.size), y, row);
         });
         Picture { size: self.size, pixels, shortfall }
     }
@@ -68,11 +67,11 @@ impl Prepared {
         finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync + Send,
     ) -> Shortfall {
         let (domain, shot) = (self.domain(), self.shot(self.samples));
-        let mut tiles = Tiles::default();
-        render::sort(&mut tiles, &domain, &shot, workers);
+        let mut renderer = Renderer::default();
+        renderer.sort(&domain, &shot, workers);
         let n_done = AtomicUsize::new(0);
         let n_cells = self.size.n_cells();
-        render::render(&tiles, &domain, &shot, workers, picture, |place, cells, row| {
+        renderer.shade(&domain, &shot, workers, picture, |place, cells, row| {
             finish(place, cells, row);
             let done = n_done.fetch_add(cells.len(), Ordering::Relaxed) + cells.len();
             // One call for some thousand cells: often enough for the eye.

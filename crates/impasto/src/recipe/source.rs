@@ -2,10 +2,10 @@
 
 use crate::assets::{Scene, TextureImage, files};
 use crate::error::{Mended, Report, Result};
+use crate::math::Size;
 use crate::recipe::text::guess;
 use crate::recipe::words::{choose_or, impossible};
 use crate::recipe::{Input, Recipe};
-use crate::math::Size;
 use crate::samples::{self, texture};
 use std::path::{Path, PathBuf};
 
@@ -27,7 +27,7 @@ pub fn scene(input: &Input, base: &Path) -> Result<Report<Scene>> {
 }
 
 fn sample_scene(name: &str, input: &Input) -> Result<Scene> {
-    let resolution = input.resolution.unwrap_or(0);
+    let resolution = input.resolution.unwrap_or(RESOLUTION);
     if resolution > MOST_RESOLVED {
         return Err(impossible("resolution", resolution, format!("at most {MOST_RESOLVED}")));
     }
@@ -36,6 +36,9 @@ fn sample_scene(name: &str, input: &Input) -> Result<Scene> {
         impossible("sample", name, guess(name, &names))
     })
 }
+
+/// Edges along a sample's longest side, unless the recipe says otherwise.
+const RESOLUTION: u32 = 128;
 
 /// Beyond this a sample would not fit the memory of a usual machine.
 const MOST_RESOLVED: u32 = 4096;

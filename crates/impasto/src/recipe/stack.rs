@@ -250,8 +250,7 @@ fn slide_projector(recipe: &LayerRecipe, on: &Ground) -> Result<Mat4> {
     if !(fov > 0.0 && fov < 179.0) {
         return Err(impossible("fov", fov, "above 0 and below 179 degrees"));
     }
-    let camera =
-        Camera::looking(eye, target, up, Projection::Perspective { fov_y: fov.to_radians() }, radius * 1e-3);
+    let camera = Camera::looking(eye, target, up, Projection::Perspective { fov_y: fov.to_radians() }, radius * 1e-3);
     let focal = 1.0 / exact::tan(fov.to_radians() as f64 * 0.5) as f32;
     // w = -z; depth from 0 near to 1 far is of no use here: z/w is the distance's inverse.
     let clip_from_camera = Mat4::from_cols_array_2d(&[

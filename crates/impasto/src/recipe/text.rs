@@ -81,7 +81,10 @@ mod tests {
         check("[input]\nfiel = \"a.obj\"", "\"a.toml\": line 2, column 1: unknown key `fiel`; did you mean `file`?");
         check("[picture]\nsampels = 4", "\"a.toml\": line 2, column 1: unknown key `sampels`; did you mean `samples`?");
         check("title = 3", "\"a.toml\": line 1, column 9: invalid type: integer `3`, expected a string");
-        check("[[layers]]\n  image = 'a'\n  wrop = 'repeat'", "\"a.toml\": line 3, column 3: unknown key `wrop`; did you mean `wrap`?");
+        check(
+            "[[layers]]\n  image = 'a'\n  wrop = 'repeat'",
+            "\"a.toml\": line 3, column 3: unknown key `wrop`; did you mean `wrap`?",
+        );
         let list = parse("zzzzzz = 1", Path::new("a.toml")).unwrap_err().to_string();
         assert!(list.contains("known are title, about, input") && !list.contains('\n'), "{list}");
         let broken = parse("[input\nfile = 1", Path::new("a.toml")).unwrap_err().to_string();
@@ -90,7 +93,8 @@ mod tests {
 
     #[test]
     fn a_recipe_survives_the_round_trip() {
-        let text = "title = \"T\"\n[input]\nfile = \"sample:knot\"\n[camera]\nview = \"top\"\n[[layers]]\nimage = \"a.png\"\n";
+        let text =
+            "title = \"T\"\n[input]\nfile = \"sample:knot\"\n[camera]\nview = \"top\"\n[[layers]]\nimage = \"a.png\"\n";
         let recipe = parse(text, Path::new("a.toml")).unwrap();
         let again = to_toml(&recipe);
         assert_eq!(parse(&again, Path::new("b.toml")).unwrap(), recipe, "{again}");

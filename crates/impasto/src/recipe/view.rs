@@ -70,7 +70,8 @@ pub(super) fn view(recipe: &CameraRecipe, scene: &Scene, size: Size) -> Result<V
     let direction = match (recipe.azimuth, recipe.elevation) {
         (None, None) => named,
         (azimuth, elevation) => {
-            let (a, e) = (azimuth.unwrap_or(named.azimuth.to_degrees()), elevation.unwrap_or(named.elevation.to_degrees()));
+            let (a, e) =
+                (azimuth.unwrap_or(named.azimuth.to_degrees()), elevation.unwrap_or(named.elevation.to_degrees()));
             if !(a.abs() <= 3600.0 && e.abs() <= 90.0) {
                 return Err(impossible("camera", format!("{a},{e}"), "elevation is -90 to 90 degrees"));
             }
@@ -182,7 +183,8 @@ pub(super) fn lighting(
 
 fn light(recipe: &LightRecipe) -> Result<Light> {
     let direction = recipe.direction.map_or(Ok(Vec3::new(-0.5, 0.7, 0.5)), |d| finite("light direction", d))?;
-    let position = || recipe.position.map_or(Err(()), Ok).map_err(|()| impossible("light", "point", "it needs a position"));
+    let position =
+        || recipe.position.map_or(Err(()), Ok).map_err(|()| impossible("light", "point", "it needs a position"));
     let kind = recipe.kind.as_deref().unwrap_or("directional");
     let kind = match choose("light kind", kind, &[("directional", 0), ("point", 1), ("spot", 2), ("headlight", 3)])? {
         0 => LightKind::Directional(unit_or(direction, Vec3::Y)),
@@ -228,10 +230,9 @@ pub(super) fn linear_panorama(image: &TextureImage) -> Image<[f32; 4]> {
                 .map(|t| t.map(|x| if is_srgb { LINEAR_FROM_SRGB8[x as usize] } else { x as f32 / 255.0 }))
                 .collect(),
         },
-        Texels::U16(i) => Image {
-            size: i.size,
-            texels: i.texels.iter().map(|t| t.map(|x| curve(x as f64 / 65535.0))).collect(),
-        },
+        Texels::U16(i) => {
+            Image { size: i.size, texels: i.texels.iter().map(|t| t.map(|x| curve(x as f64 / 65535.0))).collect() }
+        }
     }
 }
 
@@ -251,7 +252,8 @@ pub(super) fn background(given: Option<&str>) -> Result<Background> {
 /// How light becomes bytes: filmic for what is lit, plain for what is not.
 pub(super) fn develop(recipe: &Recipe, is_lit: bool) -> Result<Develop> {
     let absent = if is_lit { Curve::Filmic } else { Curve::Plain };
-    let curve = choose_or("develop", &recipe.picture.develop, &[("filmic", Curve::Filmic), ("plain", Curve::Plain)], absent)?;
+    let curve =
+        choose_or("develop", &recipe.picture.develop, &[("filmic", Curve::Filmic), ("plain", Curve::Plain)], absent)?;
     let exposure = recipe.picture.exposure.unwrap_or(0.0);
     if !(exposure.abs() <= 30.0) {
         return Err(impossible("exposure", exposure, "-30 to 30 stops"));

@@ -5,7 +5,7 @@
 
 use super::tile::{Draw, Faces, Kind, Samples, TILE, n_tiles};
 use super::{Domain, domain::Map};
-use crate::math::{DVec4, Vec4};
+use crate::math::{DVec4, Vec4, kernel};
 use crate::par::Workers;
 use fearless_simd::{dispatch, i32x8, prelude::*};
 
@@ -221,9 +221,12 @@ impl Binner<'_> {
         let (y0, y1) = (y[0].min(y[1]).min(y[2]), y[0].max(y[1]).max(y[2]));
         let (spacing, first) = self.samples.spacing();
         let shift = spacing.trailing_zeros();
-        let places = |lo: i32x8<S>, hi: i32x8<S>| {
-            ((lo + splat(spacing - 1 - first)) >> shift).simd_le((hi - splat(first)) >> shift)
-        };
+        let places = kernel(
+            #[inline(always)]
+            |lo: i32x8<S>, hi: i32x8<S>| {
+                ((lo + splat(spacing - 1 - first)) >> shift).simd_le((hi - splat(first)) >> shift)
+            },
+        );
         let area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
         let faces = match faces {
             Faces::Front => area.simd_lt(splat(0)),

@@ -6,7 +6,7 @@
 
 use super::Domain;
 use super::tile::TILE;
-use crate::math::{BATCH, Lane, Vec2, Vec3};
+use crate::math::{BATCH, Each, Lane, Vec2, Vec3, kernel};
 use crate::placement::{Needs, Surfels};
 use fearless_simd::{f32x8, i32x8, prelude::*, u32x8};
 
@@ -50,7 +50,7 @@ struct SetUps {
 pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: [i32; 2], surfels: &mut Surfels) {
     assert!(surfels.n <= BATCH_FILL, "a batch is filled with at most {BATCH_FILL} points");
     let mut runs = [Run { start: 0, end: 0, triangle: 0 }; BATCH];
-    let n_runs = find_runs(surfels, &mut runs);
+    let n_runs = find_runs(simd, surfels, &mut runs);
     let runs = &runs[..n_runs];
     const ZERO: Lane = [0.0; BATCH];
     let mut set_ups = SetUps { a: [ZERO; 3], b: [ZERO; 3], c: [ZERO; 3], side: ZERO };
@@ -60,34 +60,62 @@ pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: [i32; 2], su
     weights(simd, surfels, &mut sum);
     let mesh = domain.mesh;
     for (i, run) in runs.iter().enumerate() {
-        let pick = |lanes: &[Lane; 3]| lanes.each_ref().map(|l| l[i]);
+        let pick = |lanes: &[Lane; 3]| {
+            lanes.each_ref().each(
+                #[inline(always)]
+                |l| l[i],
+            )
+        };
         let slopes = [pick(&set_ups.a), pick(&set_ups.b)];
         let c = mesh.triangles()[run.triangle as usize];
         if needs.derivatives {
             derivatives(simd, run, slopes, surfels, &sum);
         }
         if needs.normal {
-            let n = c.map(|i| mesh.normals()[i as usize].to_array());
+            let n = c.each(
+                #[inline(always)]
+                |i| mesh.normals()[i as usize].to_array(),
+            );
             interpolate(simd, run, &surfels.barycentric, n, &mut surfels.normal);
         }
         if needs.position {
-            let p = c.map(|i| mesh.positions()[i as usize].to_array());
+            let p = c.each(
+                #[inline(always)]
+                |i| mesh.positions()[i as usize].to_array(),
+            );
             interpolate(simd, run, &surfels.barycentric, p, &mut surfels.position);
         }
         let mut sets = needs.uv_sets;
         while sets != 0 {
             let set = sets.trailing_zeros() as usize;
             sets &= sets - 1;
-            uv(simd, run, set, c.map(|i| mesh.uv_sets()[set].uv[i as usize]), slopes, surfels, &sum);
+            uv(
+                simd,
+                run,
+                set,
+                c.each(
+                    #[inline(always)]
+                    |i| mesh.uv_sets()[set].uv[i as usize],
+                ),
+                slopes,
+                surfels,
+                &sum,
+            );
         }
         if needs.tangent {
-            let t = c.map(|i| mesh.tangents()[i as usize].to_array());
+            let t = c.each(
+                #[inline(always)]
+                |i| mesh.tangents()[i as usize].to_array(),
+            );
             interpolate(simd, run, &surfels.barycentric, t, &mut surfels.tangent);
             // The sign is a corner's, not a mixture: all three agree where the layout is not mirrored.
             surfels.tangent[3][run.start as usize..run.end as usize].fill(if t[0][3] < 0.0 { -1.0 } else { 1.0 });
         }
         if needs.color {
-            let v = c.map(|i| mesh.colors()[i as usize].to_array());
+            let v = c.each(
+                #[inline(always)]
+                |i| mesh.colors()[i as usize].to_array(),
+            );
             interpolate(simd, run, &surfels.barycentric, v, &mut surfels.color);
         }
     }
@@ -105,19 +133,33 @@ pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: [i32; 2], su
 
 /// Cuts the batch into runs. All cells of a run are measured from one origin, their tile's corner, whatever the batch.
 #[inline(always)]
-fn find_runs(surfels: &Surfels, runs: &mut [Run; BATCH]) -> usize {
-    const TILE_BITS: u32 = TILE.trailing_zeros();
+fn find_runs<S: Simd>(simd: S, surfels: &Surfels, runs: &mut [Run; BATCH]) -> usize {
+    let load = kernel(
+        #[inline(always)]
+        |lane: &[u32; BATCH], i: usize| u32x8::from_slice(simd, &lane[i..i + N]),
+    );
     let mut n_runs = 0;
-    let mut last = None;
-    for i in 0..surfels.n {
-        let key = (surfels.triangle[i], surfels.cell[0][i] >> TILE_BITS, surfels.cell[1][i] >> TILE_BITS);
-        if last == Some(key) {
-            runs[n_runs - 1].end = i as u16 + 1;
-        } else {
-            runs[n_runs] = Run { start: i as u16, end: i as u16 + 1, triangle: key.0 };
-            n_runs += 1;
-            last = Some(key);
+    let mut start = 0;
+    for i in (1..surfels.n).step_by(N) {
+        // Where a lane differs from the one before in its triangle, or in its tile.
+        let [x, y] = &surfels.cell;
+        let moved = (load(x, i) ^ load(x, i - 1)) | (load(y, i) ^ load(y, i - 1));
+        let same = load(&surfels.triangle, i).simd_eq(load(&surfels.triangle, i - 1))
+            & moved.simd_lt(u32x8::splat(simd, TILE as u32));
+        let mut cuts = !(same.to_bitmask() as u32) & 0xff;
+        while cuts != 0 {
+            let end = i + cuts.trailing_zeros() as usize;
+            cuts &= cuts - 1;
+            if end < surfels.n {
+                runs[n_runs] = Run { start: start as u16, end: end as u16, triangle: surfels.triangle[start] };
+                n_runs += 1;
+                start = end;
+            }
         }
+    }
+    if surfels.n > 0 {
+        runs[n_runs] = Run { start: start as u16, end: surfels.n as u16, triangle: surfels.triangle[start] };
+        n_runs += 1;
     }
     n_runs
 }
@@ -195,15 +237,34 @@ fn set_up(domain: &Domain, runs: &[Run], surfels: &Surfels, out: &mut SetUps) {
 fn edges<S: Simd>(simd: S, place: [i32; 2], runs: &[Run], set_ups: &SetUps, surfels: &mut Surfels, sum: &mut Lane) {
     for (i, run) in runs.iter().enumerate() {
         let splat = |lane: &Lane| f32x8::splat(simd, lane[i]);
-        let (a, b, c) =
-            (set_ups.a.each_ref().map(splat), set_ups.b.each_ref().map(splat), set_ups.c.each_ref().map(splat));
+        let (a, b, c) = (
+            set_ups.a.each_ref().each(
+                #[inline(always)]
+                |l| splat(l),
+            ),
+            set_ups.b.each_ref().each(
+                #[inline(always)]
+                |l| splat(l),
+            ),
+            set_ups.c.each_ref().each(
+                #[inline(always)]
+                |l| splat(l),
+            ),
+        );
         for at in run.vectors() {
-            let local = |k: usize| {
-                let cell = u32x8::from_slice(simd, &surfels.cell[k][at..at + N]) & u32x8::splat(simd, TILE as u32 - 1);
-                cells_to_float(simd, cell, place[k])
-            };
+            let local = kernel(
+                #[inline(always)]
+                |k: usize| {
+                    let cell =
+                        u32x8::from_slice(simd, &surfels.cell[k][at..at + N]) & u32x8::splat(simd, TILE as u32 - 1);
+                    cells_to_float(simd, cell, place[k])
+                },
+            );
             let (x, y) = (local(0), local(1));
-            let edge = |k: usize| (c[k] + b[k] * y) + a[k] * x;
+            let edge = kernel(
+                #[inline(always)]
+                |k: usize| (c[k] + b[k] * y) + a[k] * x,
+            );
             store(edge(0), &mut surfels.barycentric[0], at);
             store(edge(1), &mut surfels.barycentric[1], at);
             store(edge(2), sum, at);
@@ -229,11 +290,14 @@ fn weights<S: Simd>(simd: S, surfels: &mut Surfels, sum: &mut Lane) {
         let r = one / s;
         let r = s.simd_eq(zero).select(zero, r);
         // At silhouettes a cell's centre may lie just outside of the triangle: the nearest weights inside stand for it.
-        let clamp = |e: f32x8<S>, most: f32x8<S>| {
-            let b = e * r;
-            let b = b.simd_gt(zero).select(b, zero);
-            b.simd_lt(most).select(b, most)
-        };
+        let clamp = kernel(
+            #[inline(always)]
+            |e: f32x8<S>, most: f32x8<S>| {
+                let b = e * r;
+                let b = b.simd_gt(zero).select(b, zero);
+                b.simd_lt(most).select(b, most)
+            },
+        );
         let b1 = clamp(load(simd, &surfels.barycentric[0], i), one);
         let b2 = clamp(load(simd, &surfels.barycentric[1], i), one - b1);
         store(b1, &mut surfels.barycentric[0], i);
@@ -304,7 +368,10 @@ fn uv<S: Simd>(
 fn view<S: Simd>(simd: S, domain: &Domain, place: [i32; 2], surfels: &mut Surfels) {
     let [d, dx, dy]: [Vec3; 3] = domain.sight;
     for i in (0..surfels.n).step_by(N) {
-        let coordinate = |k: usize| cells_to_float(simd, u32x8::from_slice(simd, &surfels.cell[k][i..i + N]), place[k]);
+        let coordinate = kernel(
+            #[inline(always)]
+            |k: usize| cells_to_float(simd, u32x8::from_slice(simd, &surfels.cell[k][i..i + N]), place[k]),
+        );
         let (x, y) = (coordinate(0), coordinate(1));
         for k in 0..3 {
             // Against the line of sight.
