@@ -1,32 +1,89 @@
-//! The program `impasto`.
+//! The program `impasto`: textures as information, on the command line. One subcommand a file, no algorithm in it.
 
 mod bench;
+mod completions;
+mod gallery;
+mod gallery_page;
+mod info;
 mod options;
+mod probe;
+mod render;
+mod report;
+mod run;
 
+use anyhow::{Context, Result};
 use clap::Parser;
+use impasto::par::{LEVEL_NAMES, Workers, level_by_name};
 
+/// Textures as information: paint a surface, grow its skin, cut it open, read data off it. No GPU needed.
 #[derive(Parser)]
+#[command(name = "impasto", version, max_term_width = 110, after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    #[arg(long, global = true, default_value_t = 0)]
+    /// Threads to use; 0 is one a core. Pictures do not depend on it.
+    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
     threads: usize,
-    #[arg(long, global = true, hide = true)]
+    /// SIMD level to use: scalar, sse2, sse4.2, avx2, avx512. Pictures do not depend on it.
+    #[arg(long, global = true, hide = true, value_name = "LEVEL")]
     simd: Option<String>,
 }
 
+const EXAMPLES: &str = "Examples:
+  impasto gallery                               every picture from built-in samples, and a page to look at
+  impasto render model.glb -o picture.png       a picture, with the materials of the file
+  impasto render sample:chameleon -o a.png      no file at hand? samples are made by formula
+  impasto info scan.ply                         what is in a file, and what had to be mended
+  impasto probe scan.ply --at 640,360           what is at a pixel: triangle, texel, position, data
+Each command has its own examples: impasto render --help";
+
+/// What the program can do.
 #[derive(clap::Subcommand)]
 enum Command {
+    Info(info::Args),
+    Render(render::Args),
+    Probe(probe::Args),
+    Run(run::Args),
+    Gallery(gallery::Args),
     Bench(bench::Args),
+    Completions(completions::Args),
 }
 
-fn main() -> anyhow::Result<()> {
+fn main() {
     let cli = Cli::parse();
-    let workers = match cli.simd {
-        Some(name) => impasto::par::Workers::with_level(cli.threads, impasto::par::level_by_name(&name).unwrap()),
-        None => impasto::par::Workers::new(cli.threads),
+    if let Err(error) = run_command(cli) {
+        // A reader that has seen enough is no failure.
+        if error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe) {
+            return;
+        }
+        let text = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
+        eprintln!("impasto: {text}");
+        std::process::exit(1);
+    }
+}
+
+fn run_command(cli: Cli) -> Result<()> {
+    let workers = match &cli.simd {
+        None => Workers::new(cli.threads),
+        Some(name) => {
+            let level = level_by_name(name).with_context(|| {
+                format!("no SIMD level {name:?} on this machine; known are {}", LEVEL_NAMES.join(", "))
+            })?;
+            Workers::with_level(cli.threads, level)
+        }
     };
     match cli.command {
+        Command::Info(args) => info::run(&args),
+        Command::Render(args) => render::run(&args, &workers),
+        Command::Probe(args) => probe::run(&args, &workers),
+        Command::Run(args) => run::run(&args, &workers),
+        Command::Gallery(args) => gallery::run(&args, &workers),
         Command::Bench(args) => bench::run(&args, &workers),
+        Command::Completions(args) => completions::run(&args),
     }
+}
+
+/// The whole command line, for completions and tests.
+fn command() -> clap::Command {
+    <Cli as clap::CommandFactory>::command()
 }

@@ -18,6 +18,7 @@ pub mod placement;
 pub mod visibility;
 pub mod lookup;
 pub mod picture;
-// pub mod recipe;
+pub mod inspect;
+pub mod recipe;
 
 pub use error::{Error, Report, Result};

@@ -1,0 +1,147 @@
+//! `impasto render`: a file to a picture.
+
+use crate::options::{self, Look};
+use crate::report;
+use anyhow::Result;
+use impasto::math::Size;
+use impasto::par::Workers;
+use impasto::recipe::output::{self, STDOUT};
+use impasto::recipe::{self, Recipe, text};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Draw a picture of a mesh, a scene, a height map or a sample.
+///
+/// Without further options: the materials of the file (clay where it has none), studio light, a three-quarter view that
+/// frames the object, 1280x720, 4 samples a pixel.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  impasto render model.glb -o model.png
+  impasto render scan.ply -o scan.png --camera 120,10 --size 1920x1080 --samples 16 --ground
+  impasto render part.stl -o part.png --background transparent
+  impasto render cow.obj -o cow.png --texture cow.jpg
+  impasto render femur.ply -o stress.png --color-by stress --table coolwarm --range -5,5
+  impasto render sample:knot -o knot.png --layer \"sample:bricks scale=16,4\" \\
+      --layer \"noise coordinate=position frequency=3 operator=modulate strength=0.4\"
+  impasto render sample:chameleon -o ball.png --matcap sample:matcap
+  impasto render model.glb -o atlas.png --camera atlas --unlit
+  impasto render model.glb --info-buffer buffer.npz --info-texture texels.png --coding rgb12
+
+A layer is SOURCE key=value ...: the source is an image file, sample:NAME, table:NAME (with field=NAME), or one of stripes,
+checker, noise, cells, wood, marble. Keys: coordinate (uv, planar, cylindrical, spherical, box, two-part, sphere-map, ...),
+scale, rotate, offset, wrap, min, mag, anisotropy, operator (replace, modulate, decal, blend, add, over, alpha-test), target
+(color, normal, bump, roughness, ...), strength, part, and more: docs/recipes.md.")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    look: Look,
+    /// The picture: .png (8 bits), .exr (linear light with alpha), or - for a PNG on standard output.
+    #[arg(short, long, value_name = "OUT")]
+    output: Option<String>,
+    /// All that is known of each pixel: .exr (named channels), .npz (one array a quantity), .npy (triangle ids).
+    #[arg(long, value_name = "OUT")]
+    info_buffer: Option<String>,
+    /// Each pixel's texel address, coded as colour: .png.
+    #[arg(long, value_name = "OUT")]
+    info_texture: Option<String>,
+    /// How addresses are coded: paper10, rgb12 or wide.
+    #[arg(long, value_name = "NAME", requires = "info_texture")]
+    coding: Option<String>,
+    /// Texels that addresses count; absent: those of the colour texture.
+    #[arg(long, value_name = "WxH", value_parser = options::size, requires = "info_texture")]
+    info_size: Option<Size>,
+    /// Write all of this down, to be drawn again by `impasto run`.
+    #[arg(long, value_name = "FILE.toml")]
+    save_recipe: Option<PathBuf>,
+    /// Say as JSON what was done.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
+    let mut recipe = args.look.recipe()?;
+    recipe.output.picture.clone_from(&args.output);
+    recipe.output.info_buffer.clone_from(&args.info_buffer);
+    recipe.output.info_texture.clone_from(&args.info_texture);
+    recipe.output.coding.clone_from(&args.coding);
+    recipe.output.info_size = args.info_size.map(|s| [s.width, s.height]);
+    draw(&recipe, Path::new(""), args.json, workers)?;
+    if let Some(path) = &args.save_recipe {
+        impasto::assets::files::write_atomically(path, |w| w.write_all(text::to_toml(&recipe).as_bytes()))?;
+    }
+    Ok(())
+}
+
+/// Draws a recipe whose file names count from `base`, writes what it asks for, and says so.
+pub(crate) fn draw(recipe: &Recipe, base: &Path, as_json: bool, workers: &Workers) -> Result<()> {
+    let start = Instant::now();
+    output::check(recipe, base)?;
+    let prepared = recipe::prepare(recipe, base)?;
+    let bar = report::bar(recipe.subject(), 1000);
+    let about = [("Command", command_line())];
+    let progress = |share: f32| bar.set_position((share * 1000.0) as u64);
+    let (made, shortfall) = output::make(recipe, &prepared.value, (base, &about), workers, &progress)?;
+    bar.finish_and_clear();
+    let (piped, files): (Vec<_>, Vec<_>) = made.into_iter().partition(|m| m.path == base.join(STDOUT));
+    output::write(&files)?;
+    piped.iter().try_for_each(|m| report::out_bytes(&m.bytes))?;
+
+    let time = start.elapsed();
+    let mesh = &prepared.value.scene.mesh;
+    if as_json {
+        let written: Vec<_> =
+            files.iter().map(|m| json!({"what": m.what, "path": m.path, "bytes": m.bytes.len()})).collect();
+        let mended: Vec<_> = prepared.mended.iter().map(|m| json!({"count": m.count, "what": m.what})).collect();
+        let size = prepared.value.size;
+        let report = json!({
+            "input": recipe.subject(),
+            "written": written,
+            "size": [size.width, size.height],
+            "samples": prepared.value.samples.n(),
+            "triangles": mesh.triangles().len(),
+            "camera": prepared.value.view.to_string(),
+            "truncated_tiles": shortfall.n_truncated_tiles,
+            "mended": mended,
+            "seconds": time.as_secs_f64(),
+        });
+        return report::out(&report.to_string());
+    }
+    report::mended(&prepared.mended);
+    if shortfall.n_truncated_tiles > 0 {
+        let n = shortfall.n_truncated_tiles;
+        eprintln!("note: {n} tiles have more transparent layers than are told apart; the farthest are missing");
+    }
+    if piped.is_empty() {
+        let size = prepared.value.size;
+        let names: Vec<String> = files.iter().map(|m| m.path.display().to_string()).collect();
+        report::out(&format!(
+            "{}: {} triangles at {size} in {}",
+            names.join(", "),
+            info_count(mesh.triangles().len()),
+            report::seconds(time)
+        ))?;
+    }
+    Ok(())
+}
+
+/// A number with its thousands apart.
+pub(crate) fn info_count(n: usize) -> String {
+    let digits = n.to_string();
+    let mut out = String::new();
+    for (i, c) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            out.push(' ');
+        }
+        out.push(c);
+    }
+    out
+}
+
+/// As typed, for a picture's metadata; the program's own path is of no interest.
+fn command_line() -> String {
+    let words = std::env::args().skip(1).map(|w| match w.contains(char::is_whitespace) || w.is_empty() {
+        true => format!("\"{w}\""),
+        false => w,
+    });
+    std::iter::once("impasto".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,256 @@
+//! A layer, written down: where its coordinate comes from, which texture it reads, and what the answer does.
+
+use crate::error::{Error, Result};
+use crate::recipe::text::one_line;
+use serde::{Deserialize, Serialize};
+
+/// One layer of a recipe. Also written in one line, `SOURCE key=value ...`: see [`LayerRecipe::parse_inline`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LayerRecipe {
+    // What it reads: one of the next four.
+    /// An image: a file beside the recipe, or `sample:NAME`.
+    pub image: Option<String>,
+    /// A formula: `stripes`, `checker`, `noise`, `cells`, `wood`, `marble`.
+    pub procedural: Option<String>,
+    /// A colour table over a field: `viridis`, `grey`, `coolwarm`.
+    pub table: Option<String>,
+    /// Six faces of a cube (+X, -X, +Y, -Y, +Z, -Z) or `sample:NAME`; a volume's slices, front to back.
+    pub images: Option<Vec<String>>,
+    /// Of `images`: `cube` or `volume`.
+    pub shape: Option<String>,
+
+    // Of procedural textures.
+    /// Colours of 0 and of 1, `#rrggbb` or `#rrggbbaa`.
+    pub colors: Option<[String; 2]>,
+    /// Features in one unit of the coordinate.
+    pub frequency: Option<f32>,
+    /// Share of a stripe, bend of wood and marble, number of octaves of noise.
+    pub shape_factor: Option<f32>,
+    /// Another seed is another texture of the same kind.
+    pub seed: Option<u32>,
+
+    // Of colour tables.
+    /// The field's name.
+    pub field: Option<String>,
+    /// Which of its components, from 0; absent: the only one, or the vector's length.
+    pub component: Option<u32>,
+    /// The values at the table's ends; absent: the field's least and greatest.
+    pub range: Option<[f64; 2]>,
+
+    // Of images.
+    /// `repeat`, `mirrored-repeat`, `clamp-to-edge`, `clamp-to-border`: for all coordinates, or a list for s, t, r.
+    pub wrap: Option<Words>,
+    /// Where a texel covers more than a pixel: `nearest` or `linear`.
+    pub mag: Option<String>,
+    /// Where a pixel covers more than a texel: `nearest`, `linear`, `nearest-mipmap-nearest`, `linear-mipmap-nearest`,
+    /// `nearest-mipmap-linear`, `linear-mipmap-linear`.
+    pub min: Option<String>,
+    /// Most taps along the footprint's longer axis, 1 to 16.
+    pub anisotropy: Option<u8>,
+    /// Which components the texture means to have: `alpha`, `luminance`, `luminance-alpha`, `intensity`, `rgb`, `rgba`.
+    pub format: Option<String>,
+    /// What the texels mean: `color`, `data`, `normal`, `slope`, `label`; absent: what the target asks for.
+    pub usage: Option<String>,
+
+    // Where the coordinate comes from.
+    /// `uv`, `object-linear`, `eye-linear`, `world-linear`, `sphere-map`, `reflection-map`, `normal-map`, `view-normal`,
+    /// `panorama`, `planar`, `cylindrical`, `spherical`, `box`, `camera`, `two-part`, `field`, `position`.
+    pub coordinate: Option<String>,
+    /// Of `uv`: a set's name or number.
+    pub uv_set: Option<String>,
+    /// Of the linear ones: planes `[a, b, c, d]` for s, t, r.
+    pub planes: Option<Vec<[f32; 4]>>,
+    /// Of `reflection-map`, `normal-map`, `panorama`: `world` or `eye`.
+    pub space: Option<String>,
+    /// Of `panorama`: `reflection`, `normal` or `position`.
+    pub direction: Option<String>,
+    /// Of projections: the way their front looks, world space.
+    pub front: Option<[f32; 3]>,
+    /// Of projections: roughly upward.
+    pub up: Option<[f32; 3]>,
+    /// Of projections: their middle; absent: that of the object.
+    pub origin: Option<[f32; 3]>,
+    /// Of projections: width, height and depth of the picture, model units; absent: those of the object.
+    pub extent: Option<[f32; 3]>,
+    /// Of `camera`: where the projector stands.
+    pub eye: Option<[f32; 3]>,
+    /// Of `camera`: what the projector points at.
+    pub aim: Option<[f32; 3]>,
+    /// Of `camera`: full vertical field of view, degrees.
+    pub fov: Option<f32>,
+    /// Of `two-part`: `plane`, `cylinder`, `sphere` or `box`.
+    pub surface: Option<String>,
+    /// Of `two-part`: `reflected-ray`, `object-normal`, `centroid` or `surface-normal`.
+    pub ray: Option<String>,
+    /// Of `position`: `model` units or `bounds` (the longest edge of the object is 1).
+    pub unit: Option<String>,
+
+    // Its matrix, applied in this order: scale, rotate, offset; or the 16 numbers themselves.
+    /// Multiplies s and t (and r).
+    pub scale: Option<Numbers>,
+    /// Degrees, counter-clockwise as seen on the image, about its middle.
+    pub rotate: Option<f32>,
+    /// Added to s and t (and r).
+    pub offset: Option<Numbers>,
+    /// Rows of a 4x4 matrix.
+    pub matrix: Option<[[f32; 4]; 4]>,
+
+    // What the answer does.
+    /// `replace`, `modulate` (the default), `decal`, `blend`, `add`, `over`, or `alpha-test`.
+    pub operator: Option<String>,
+    /// Of `blend`: the environment's colour.
+    pub color: Option<String>,
+    /// Of `alpha-test`: `less`, `equal`, `less-or-equal`, `greater`, `not-equal`, `greater-or-equal` (the default) ...
+    pub compare: Option<String>,
+    /// Of `alpha-test`.
+    pub reference: Option<f32>,
+    /// `color` (the default), `alpha`, `normal`, `bump`, `roughness`, `metalness`, `occlusion`, `emission`, `coat`,
+    /// `coat-roughness`, `coat-normal`, `height`, `info`.
+    pub target: Option<String>,
+    /// Of `normal`, `bump`, `height`: how much.
+    pub amount: Option<f32>,
+    /// Which channels count as red, green, blue and alpha, as four letters of `rgba01`.
+    pub channels: Option<String>,
+    /// 0: no effect, 1: the whole.
+    pub strength: Option<f32>,
+    /// Only parts whose name or material contains this.
+    pub part: Option<String>,
+}
+
+/// One word, or a list of words.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Words {
+    /// For all.
+    One(String),
+    /// One each.
+    Each(Vec<String>),
+}
+
+/// One number, or a list of numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Numbers {
+    /// For all.
+    One(f32),
+    /// One each.
+    Each(Vec<f32>),
+}
+
+impl Numbers {
+    /// The first three, `rest` for those that are not said.
+    pub(super) fn three(&self, rest: f32) -> [f32; 3] {
+        match self {
+            Self::One(x) => [*x; 3],
+            Self::Each(v) => std::array::from_fn(|i| v.get(i).copied().unwrap_or(rest)),
+        }
+    }
+}
+
+impl LayerRecipe {
+    /// Reads the form in one line: a source, then `key=value` words with the keys of the long form.
+    ///
+    /// The source is an image file, `sample:NAME`, `table:NAME` or the name of a procedural texture; lists are written with
+    /// commas: `sample:bricks coordinate=cylindrical scale=4,2 operator=modulate`.
+    ///
+    /// # Errors
+    /// `Parameter` with a guess at what was meant.
+    pub fn parse_inline(text: &str) -> Result<Self> {
+        let fault = |given: &str, why: String| Error::Parameter { what: "layer".into(), given: given.into(), why };
+        let mut table = toml::Table::new();
+        for (i, word) in words(text).into_iter().enumerate() {
+            let (key, value) = match word.split_once('=') {
+                Some((key, value)) => (key.replace('-', "_"), typed(value, key)),
+                None if i == 0 => source(&word),
+                None => return Err(fault(&word, "after the texture, words are key=value".into())),
+            };
+            if table.insert(key.clone(), value).is_some() {
+                return Err(fault(&word, format!("{key} is said twice")));
+            }
+        }
+        Self::deserialize(table).map_err(|e| fault(text, one_line(e.message())))
+    }
+}
+
+/// Splits at blanks that are not in quotes, and takes the quotes away.
+fn words(text: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut quote = None;
+    for c in text.chars() {
+        match (quote, c) {
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(q), c) if c == q => quote = None,
+            (None, c) if c.is_whitespace() => words.push(String::new()),
+            (_, c) => words.last_mut().expect("there is always one").push(c),
+        }
+    }
+    words.retain(|w| !w.is_empty());
+    words
+}
+
+fn source(word: &str) -> (String, toml::Value) {
+    const PROCEDURAL: [&str; 6] = ["stripes", "checker", "noise", "cells", "wood", "marble"];
+    let text = |s: &str| toml::Value::String(s.into());
+    match word.strip_prefix("table:") {
+        Some(name) => ("table".into(), text(name)),
+        None if PROCEDURAL.contains(&word) => ("procedural".into(), text(word)),
+        None => ("image".into(), text(word)),
+    }
+}
+
+/// A value of the type it looks like; keys that are words stay words.
+fn typed(value: &str, key: &str) -> toml::Value {
+    use toml::Value;
+    const WORDS: [&str; 8] = ["image", "field", "color", "colors", "uv-set", "uv_set", "part", "channels"];
+    let one = |v: &str| match (v.parse::<i64>(), v.parse::<f64>()) {
+        _ if WORDS.contains(&key) => Value::String(v.into()),
+        (Ok(i), _) => Value::Integer(i),
+        (_, Ok(x)) => Value::Float(x),
+        _ => Value::String(v.into()),
+    };
+    if key == "planes" {
+        let planes = value.split('/').map(|p| Value::Array(p.split(',').map(one).collect()));
+        return Value::Array(planes.collect());
+    }
+    match value.contains(',') && !matches!(key, "image" | "field" | "color" | "part") {
+        true => Value::Array(value.split(',').map(|v| one(v.trim())).collect()),
+        false => one(value),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_are_written_in_one_line() {
+        let layer =
+            LayerRecipe::parse_inline("sample:bricks coordinate=cylindrical scale=4,2 operator=blend color=#ff0000");
+        let wanted = LayerRecipe {
+            image: Some("sample:bricks".into()),
+            coordinate: Some("cylindrical".into()),
+            scale: Some(Numbers::Each(vec![4.0, 2.0])),
+            operator: Some("blend".into()),
+            color: Some("#ff0000".into()),
+            ..LayerRecipe::default()
+        };
+        assert_eq!(layer.unwrap(), wanted);
+        let layer = LayerRecipe::parse_inline("'my file.png' scale=3 wrap=repeat,clamp-to-edge uv-set=1").unwrap();
+        assert_eq!(layer.image.as_deref(), Some("my file.png"));
+        assert_eq!(layer.scale, Some(Numbers::One(3.0)));
+        assert_eq!(layer.wrap, Some(Words::Each(vec!["repeat".into(), "clamp-to-edge".into()])));
+        assert_eq!(layer.uv_set.as_deref(), Some("1"));
+        assert_eq!(LayerRecipe::parse_inline("noise frequency=3").unwrap().procedural.as_deref(), Some("noise"));
+        assert_eq!(LayerRecipe::parse_inline("table:viridis field=t").unwrap().table.as_deref(), Some("viridis"));
+    }
+
+    #[test]
+    fn faults_in_one_line_are_told_in_one_line() {
+        let fault = |text: &str| LayerRecipe::parse_inline(text).expect_err(text).to_string();
+        assert!(fault("a.png oprator=add").contains("did you mean `operator`?"), "{}", fault("a.png oprator=add"));
+        assert!(fault("a.png b.png").contains("key=value"));
+        assert!(fault("a.png scale=2 scale=3").contains("twice"));
+        assert!(!fault("a.png anisotropy=900").contains('\n'));
+    }
+}

@@ -1,0 +1,216 @@
+//! Text to calls: a picture written down, so that it can be made again.
+//!
+//! A [`Recipe`] is the one form of everything the program can be asked for: its flags fill one, `impasto run` reads one,
+//! the gallery is a folder of them. [`prepare()`] turns it into the engine's nouns, [`Prepared::render`] into a picture.
+//! All keys are optional and have the program's defaults. This module alone knows `serde`.
+
+pub mod layer;
+pub mod output;
+mod stack;
+pub mod render;
+pub mod prepare;
+pub mod source;
+pub mod text;
+pub mod view;
+mod words;
+
+pub use layer::LayerRecipe;
+pub use prepare::{Prepared, prepare};
+pub use render::Picture;
+pub use view::View;
+pub use words::color;
+
+use serde::{Deserialize, Serialize};
+
+/// A picture, written down. [`text::parse`] reads it from TOML, [`text::to_toml`] writes it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Recipe {
+    /// The picture's name, at most 60 characters; the gallery shows it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// One sentence about it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub about: Option<String>,
+    /// What is shown.
+    #[serde(skip_serializing_if = "is_default")]
+    pub input: Input,
+    /// From where.
+    #[serde(skip_serializing_if = "is_default")]
+    pub camera: CameraRecipe,
+    /// How large, in which light, before what.
+    #[serde(skip_serializing_if = "is_default")]
+    pub picture: PictureRecipe,
+    /// What surfaces are like before the layers; keys that are absent leave the file's materials as they are.
+    #[serde(skip_serializing_if = "is_default")]
+    pub surface: SurfaceRecipe,
+    /// Lights in place of `picture.light`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lights: Vec<LightRecipe>,
+    /// Laid over the materials' own, the first first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<LayerRecipe>,
+    /// What is written.
+    #[serde(skip_serializing_if = "is_default")]
+    pub output: Output,
+    /// Where the gallery's page puts it.
+    #[serde(skip_serializing_if = "is_default")]
+    pub gallery: GalleryPlace,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+/// What is shown: a file, or a surface made by formula.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Input {
+    /// A file beside the recipe, or `sample:NAME`.
+    pub file: Option<String>,
+    /// Of samples: how fine the surface is; each has its own default.
+    pub resolution: Option<u32>,
+    /// Of samples, noise and scattered things: another seed is another one of the same kind.
+    pub seed: Option<u32>,
+    /// The file's axis that points up: `auto` (by format), `y` or `z`.
+    pub up: Option<String>,
+    /// An image in place of the base colour: a file, or `sample:NAME`.
+    pub texture: Option<String>,
+    /// Lay the surface out anew (UV set `unwrapped`, which layers then use).
+    pub unwrap: Option<bool>,
+}
+
+/// From where a surface is seen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CameraRecipe {
+    /// `three-quarter` (the default), `front`, `back`, `left`, `right`, `top`, `bottom`; `atlas`: the surface laid flat by
+    /// a UV set, cells are texels; or the name or number of a camera in the file.
+    pub view: Option<String>,
+    /// Degrees from the front towards the right.
+    pub azimuth: Option<f32>,
+    /// Degrees upward.
+    pub elevation: Option<f32>,
+    /// Where the eye stands, world space. Without it the camera frames the object.
+    pub eye: Option<[f32; 3]>,
+    /// What it looks at; absent: the middle of the object.
+    pub target: Option<[f32; 3]>,
+    /// Roughly upward.
+    pub up: Option<[f32; 3]>,
+    /// Full vertical field of view, degrees.
+    pub fov: Option<f32>,
+    /// Parallel lines of sight.
+    pub orthographic: Option<bool>,
+    /// The share of the shorter side that the object fills; above 1 crops.
+    pub fill: Option<f32>,
+    /// Of the view `atlas`: which UV set.
+    pub uv_set: Option<u32>,
+}
+
+/// How large, in which light, before what.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PictureRecipe {
+    /// Pixels across and down.
+    pub size: Option<[u32; 2]>,
+    /// Places looked at in each pixel: 1, 4 or 16.
+    pub samples: Option<u32>,
+    /// `studio`, `headlight`, `outdoor`, `flat`, or `file` for the file's own lights.
+    pub light: Option<String>,
+    /// A panorama (equirectangular image) that lights the scene.
+    pub environment: Option<String>,
+    /// `light`, `studio`, `white`, `dark`, `transparent`, `environment`, or a colour `#rrggbb`.
+    pub background: Option<String>,
+    /// A soft contact shadow on an endless floor.
+    pub ground: Option<bool>,
+    /// `filmic` or `plain`.
+    pub develop: Option<String>,
+    /// Stops; each doubles the light.
+    pub exposure: Option<f32>,
+    /// Colours as they are, whatever the light.
+    pub unlit: Option<bool>,
+    /// Light from everywhere beside `lights`: 1 shows a matte colour as it is.
+    pub ambient: Option<f32>,
+}
+
+/// What surfaces are like before the layers. Each key replaces what the file says.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SurfaceRecipe {
+    /// Leave the file's materials and their textures out: clay.
+    pub plain: Option<bool>,
+    /// Base colour `#rrggbb`; takes the place of the file's colour texture, too.
+    pub color: Option<String>,
+    /// Opacity, 0 to 1; below 1 the surface is seen through.
+    pub alpha: Option<f32>,
+    /// 0 mirror to 1 chalk.
+    pub roughness: Option<f32>,
+    /// 0 dielectric to 1 metal.
+    pub metalness: Option<f32>,
+    /// `metal-rough`, `blinn-phong`, `lambert` or `unlit`.
+    pub shading: Option<String>,
+    /// Strength of Blinn-Phong's highlight.
+    pub specular: Option<f32>,
+    /// Its sharpness.
+    pub exponent: Option<f32>,
+    /// What alpha means: `opaque`, `blend`, or `mask` (there where it is at least `cutoff`).
+    pub alpha_mode: Option<String>,
+    /// Of `mask`.
+    pub cutoff: Option<f32>,
+    /// Whether back faces are seen.
+    pub double_sided: Option<bool>,
+    /// Whether vertex colours count.
+    pub vertex_colors: Option<bool>,
+}
+
+/// A light.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LightRecipe {
+    /// `directional`, `point`, `spot` or `headlight`.
+    pub kind: Option<String>,
+    /// Towards the light (directional), or the way a spot points; world space, any length.
+    pub direction: Option<[f32; 3]>,
+    /// Where a point or spot light stands, world space.
+    pub position: Option<[f32; 3]>,
+    /// `#rrggbb`.
+    pub color: Option<String>,
+    /// Multiplies the colour; of lights with a position, brightness at one model unit.
+    pub intensity: Option<f32>,
+    /// Sine of its angular radius: 0 a point, 1 half the sky.
+    pub size: Option<f32>,
+    /// Inner and outer half angle of a spot, degrees.
+    pub cone: Option<[f32; 2]>,
+}
+
+/// What is written.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Output {
+    /// The picture: `.png` (8 bits) or `.exr` (linear light with alpha).
+    pub picture: Option<String>,
+    /// The information buffer: `.exr`, `.npz`, or `.npy` (triangle ids alone).
+    pub info_buffer: Option<String>,
+    /// Each pixel's texel address, coded as colour: `.png`.
+    pub info_texture: Option<String>,
+    /// How addresses are coded: `paper10`, `rgb12` or `wide`.
+    pub coding: Option<String>,
+    /// Texels across and down that addresses count; absent: those of the base colour texture.
+    pub info_size: Option<[u32; 2]>,
+}
+
+/// Where the gallery's page puts a picture, and what it stands beside.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct GalleryPlace {
+    /// Place within its topic; smaller is earlier.
+    pub order: Option<i64>,
+    /// Pictures that share this name stand in one strip, for comparison.
+    pub strip: Option<String>,
+    /// The label under the panel of a strip.
+    pub label: Option<String>,
+    /// At the head of the page.
+    pub hero: Option<bool>,
+    /// What the page shows instead of the picture: `info-texture`.
+    pub show: Option<String>,
+}

@@ -1,0 +1,271 @@
+//! A recipe to the engine's nouns: scene, looks, view, light.
+
+use crate::assets::{AlphaMode, Scene, TextureImage};
+use crate::error::{Error, Mended, Report, Result, note};
+use crate::lookup::{ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading, Target, Texture, Usage};
+use crate::math::Size;
+use crate::picture::{Background, Develop, Lighting};
+use crate::placement::{self, Placement, UnwrapOptions};
+use crate::recipe::layer::LayerRecipe;
+use crate::recipe::words::{choose, color, impossible};
+use crate::recipe::{Recipe, SurfaceRecipe, View, source, stack, view};
+use crate::visibility::Samples;
+use std::path::Path;
+
+/// All that a picture depends on, loaded and checked.
+pub struct Prepared {
+    /// What is shown.
+    pub scene: Scene,
+    /// What its surfaces look like.
+    pub looks: Looks,
+    /// From where.
+    pub view: View,
+    /// Pixels across and down.
+    pub size: Size,
+    /// Places looked at in each pixel.
+    pub samples: Samples,
+    /// What lights it.
+    pub lighting: Lighting,
+    /// Colours as they are, whatever the light.
+    pub unlit: bool,
+    /// What is seen where no surface is.
+    pub background: Background,
+    /// How light becomes bytes.
+    pub develop: Develop,
+    /// A contact shadow on a floor.
+    pub ground: bool,
+}
+
+/// The size of a picture that says nothing about it.
+pub const SIZE: [u32; 2] = [1280, 720];
+
+/// Pictures above this many pixels are refused: they would not fit the memory of a usual machine.
+const MOST_PIXELS: u64 = 1 << 28;
+
+/// Loads what a recipe names, from files beside `base`.
+///
+/// # Errors
+/// What the files' readers say; `Parameter` for names and numbers that cannot be.
+pub fn prepare(recipe: &Recipe, base: &Path) -> Result<Report<Prepared>> {
+    let size = size(recipe)?;
+    let samples = recipe.picture.samples.unwrap_or(4);
+    let samples = Samples::from_n(samples).ok_or_else(|| impossible("samples", samples, "1, 4 or 16"))?;
+    let background = view::background(recipe.picture.background.as_deref())?;
+
+    let Report { value: mut scene, mut mended } = source::scene(&recipe.input, base)?;
+    let mut uv_set = 0;
+    if recipe.input.unwrap == Some(true) {
+        let mesh = std::mem::take(&mut scene.mesh);
+        let unwrapped = placement::unwrap(mesh, UnwrapOptions::default())?;
+        mended.extend(unwrapped.mended);
+        scene.mesh = unwrapped.value.mesh;
+        uv_set = unwrapped.value.uv_set;
+    }
+    if scene.mesh.triangles().is_empty() {
+        return Err(Error::Format { path: recipe.subject().into(), fault: "it has no surface to show".into() });
+    }
+    let on = stack::Ground { scene: &scene, base, seed: recipe.input.seed.unwrap_or(1), uv_set };
+    let looks = looks(recipe, &on, &mut mended)?;
+    tangents(&mut scene, &looks, &mut mended);
+
+    let view = view::view(&recipe.camera, &scene, size)?;
+    let environment = match &recipe.picture.environment {
+        None => None,
+        Some(name) => Some(source::image(name, base, on_seed(recipe), &mut mended)?),
+    };
+    let viewpoint = view.domain(&scene, size).view;
+    let lighting = view::lighting(recipe, &scene, &viewpoint, environment.as_ref())?;
+    let unlit = recipe.picture.unlit.unwrap_or(false);
+    let is_lit = !unlit && looks.looks.iter().any(|l| l.shading != Shading::Unlit);
+    let develop = view::develop(recipe, is_lit && !recipe.shows_data())?;
+    let ground = recipe.picture.ground.unwrap_or(false);
+    let value = Prepared { scene, looks, view, size, samples, lighting, unlit, background, develop, ground };
+    Ok(Report { value, mended })
+}
+
+fn on_seed(recipe: &Recipe) -> u32 {
+    recipe.input.seed.unwrap_or(1)
+}
+
+fn size(recipe: &Recipe) -> Result<Size> {
+    let [width, height] = recipe.picture.size.unwrap_or(match recipe.camera.view.as_deref() {
+        Some("atlas") => [1024, 1024],
+        _ => SIZE,
+    });
+    let n = width as u64 * height as u64;
+    if n == 0 || n > MOST_PIXELS || width > 1 << 15 || height > 1 << 15 {
+        return Err(impossible("size", format!("{width}x{height}"), "1x1 to 32768 a side, at most 268 million pixels"));
+    }
+    Ok(Size::new(width, height))
+}
+
+impl Recipe {
+    /// Whether colours stand for numbers, so that light must not change them more than needed.
+    pub fn shows_data(&self) -> bool {
+        self.layers.iter().any(|l| l.table.is_some())
+    }
+}
+
+/// The file's looks, changed as the recipe says.
+fn looks(recipe: &Recipe, on: &stack::Ground, mended: &mut Vec<Mended>) -> Result<Looks> {
+    let mut looks = match recipe.surface.plain {
+        Some(true) => {
+            let mut bare = on.scene.clone_without_materials();
+            bare.name.clone_from(&on.scene.name);
+            Looks::from_scene(&bare)
+        }
+        _ => Looks::from_scene(on.scene),
+    };
+    surface(&recipe.surface, &mut looks)?;
+    if let Some(name) = &recipe.input.texture {
+        let image = source::image(name, on.base, on.seed, mended)?;
+        dress(&mut looks, &image, on)?;
+    }
+    if recipe.layers.is_empty() {
+        return Ok(looks);
+    }
+    let mut layers = Vec::new();
+    for layer in &recipe.layers {
+        let (mut made, texture) = stack::layer(layer, on, mended)?;
+        made.texture = looks.add(texture);
+        layers.push((made, parts_named(layer, on.scene)?));
+    }
+    Ok(lay(looks, &layers))
+}
+
+/// Constants that the recipe sets, in every look.
+fn surface(recipe: &SurfaceRecipe, looks: &mut Looks) -> Result<()> {
+    let rgba = recipe.color.as_deref().map(|c| color("surface color", c)).transpose()?;
+    let unit = |what: &str, x: Option<f32>| match x {
+        Some(x) if !(0.0..=1.0).contains(&x) => Err(impossible(what, x, "0 to 1")),
+        x => Ok(x),
+    };
+    let (alpha, roughness, metalness) =
+        (unit("alpha", recipe.alpha)?, unit("roughness", recipe.roughness)?, unit("metalness", recipe.metalness)?);
+    let shading = shading(recipe)?;
+    let mode = match &recipe.alpha_mode {
+        None if alpha.is_some_and(|a| a < 1.0) => Some(AlphaMode::Blend),
+        None => None,
+        Some(given) => {
+            let cutoff = unit("cutoff", recipe.cutoff)?.unwrap_or(0.5);
+            let modes = [("opaque", AlphaMode::Opaque), ("blend", AlphaMode::Blend), ("mask", AlphaMode::Mask(cutoff))];
+            Some(choose("alpha_mode", given, &modes)?)
+        }
+    };
+    for look in &mut looks.looks {
+        if let Some(rgba) = rgba {
+            look.layers.retain(|l| l.target != Target::Color);
+            look.constants.color = rgba;
+            look.uses_vertex_colors = false;
+        }
+        if let Some(alpha) = alpha {
+            look.constants.color[3] = alpha;
+        }
+        if let Some(roughness) = roughness {
+            look.layers.retain(|l| l.target != Target::Roughness);
+            look.constants.roughness = roughness;
+        }
+        if let Some(metalness) = metalness {
+            look.layers.retain(|l| l.target != Target::Metalness);
+            look.constants.metalness = metalness;
+        }
+        look.shading = shading.unwrap_or(look.shading);
+        look.alpha_mode = mode.unwrap_or(look.alpha_mode);
+        look.is_double_sided = recipe.double_sided.unwrap_or(look.is_double_sided);
+        look.uses_vertex_colors = recipe.vertex_colors.unwrap_or(look.uses_vertex_colors);
+    }
+    Ok(())
+}
+
+fn shading(recipe: &SurfaceRecipe) -> Result<Option<Shading>> {
+    let (specular, exponent) = (recipe.specular.unwrap_or(0.35), recipe.exponent.unwrap_or(48.0));
+    if !(specular >= 0.0 && specular < 1e6 && (0.0..=1e6).contains(&exponent)) {
+        return Err(impossible("highlight", format!("{specular}, {exponent}"), "strength and exponent are 0 or more"));
+    }
+    let known = [
+        ("metal-rough", Shading::MetalRough),
+        ("blinn-phong", Shading::BlinnPhong { specular, exponent }),
+        ("lambert", Shading::Lambert),
+        ("unlit", Shading::Unlit),
+    ];
+    recipe.shading.as_deref().map(|given| choose("shading", given, &known)).transpose()
+}
+
+/// An image in place of the base colour.
+fn dress(looks: &mut Looks, image: &TextureImage, on: &stack::Ground) -> Result<()> {
+    if on.scene.mesh.uv_sets().is_empty() {
+        return Err(Error::NoUv { path: on.scene.name.clone().into(), task: "lay a texture over it (--unwrap)" });
+    }
+    let how = Prepare::new(Usage::Color, stack::sampler(&LayerRecipe::default())?);
+    let texture = looks.add(Texture::Image(ImageTexture::new(image, &how)));
+    for look in &mut looks.looks {
+        look.layers.retain(|l| l.target != Target::Color);
+        let [.., alpha] = look.constants.color;
+        look.constants.color = [1.0, 1.0, 1.0, alpha];
+        look.uses_vertex_colors = false;
+        let layer =
+            Layer { placement: Placement::Uv(on.uv_set), ..Layer::new(texture, Operator::Modulate, Target::Color) };
+        look.layers.insert(0, layer);
+    }
+    Ok(())
+}
+
+/// Which parts of the mesh a layer is for; none: all.
+fn parts_named(layer: &LayerRecipe, scene: &Scene) -> Result<Option<Vec<bool>>> {
+    let Some(wanted) = &layer.part else { return Ok(None) };
+    let names = |part: &crate::assets::Part| {
+        let material = part.material.and_then(|m| scene.materials.get(m as usize)).map_or("", |m| m.name.as_str());
+        [part.name.clone(), material.to_owned()]
+    };
+    let parts = scene.mesh.parts();
+    let is_meant: Vec<bool> = parts.iter().map(|p| names(p).iter().any(|n| n.contains(wanted.as_str()))).collect();
+    if is_meant.contains(&true) {
+        return Ok(Some(is_meant));
+    }
+    let mut known: Vec<String> = parts.iter().flat_map(names).filter(|n| !n.is_empty()).collect();
+    known.dedup();
+    Err(impossible("part", wanted, format!("the surface has {}", known.join(", "))))
+}
+
+/// Adds layers to the looks of the parts they are for; a look that only some of its parts keep is doubled.
+fn lay(looks: Looks, layers: &[(Layer, Option<Vec<bool>>)]) -> Looks {
+    let mut made: Vec<(u32, Vec<bool>)> = Vec::new();
+    let mut out = Looks { textures: looks.textures, looks: Vec::new(), look_of_part: Vec::new() };
+    for (part, &old) in looks.look_of_part.iter().enumerate() {
+        let wears: Vec<bool> = layers.iter().map(|(_, parts)| parts.as_ref().is_none_or(|p| p[part])).collect();
+        let key = (old, wears);
+        let index = made.iter().position(|m| *m == key).unwrap_or_else(|| {
+            let mut look: Look = looks.looks[old as usize].clone();
+            look.layers.extend(layers.iter().zip(&key.1).filter(|(_, w)| **w).map(|((l, _), _)| l.clone()));
+            out.looks.push(look);
+            made.push(key.clone());
+            made.len() - 1
+        });
+        out.look_of_part.push(index as u32);
+    }
+    out
+}
+
+/// Bumps need tangent frames along the coordinates of their map.
+fn tangents(scene: &mut Scene, looks: &Looks, mended: &mut Vec<Mended>) {
+    if !scene.mesh.tangents().is_empty() {
+        return;
+    }
+    let bumps = looks.looks.iter().flat_map(|l| &l.layers).find_map(|l| match (l.target, &l.placement) {
+        (Target::Normal { .. } | Target::CoatNormal { .. }, Placement::Uv(set)) => Some(*set),
+        _ => None,
+    });
+    let Some(set) = bumps.filter(|set| *set < scene.mesh.uv_sets().len()) else { return };
+    let report = placement::with_tangents(std::mem::take(&mut scene.mesh), set);
+    scene.mesh = report.value;
+    note(mended, report.mended.iter().map(|m| m.count).sum(), "corners got a tangent frame of no particular direction");
+}
+
+impl Scene {
+    /// The mesh and its cameras, without materials and images.
+    fn clone_without_materials(&self) -> Self {
+        let mut raw = self.mesh.clone().into_raw();
+        raw.parts.iter_mut().for_each(|p| p.material = None);
+        Self { mesh: raw.trusted(), materials: Vec::new(), images: Vec::new(), ..self.clone() }
+    }
+}

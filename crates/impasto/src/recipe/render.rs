@@ -1,0 +1,115 @@
+//! A prepared recipe to a picture, and to what the picture knows about itself.
+
+use crate::assets::image_write::{self, Numbers};
+use crate::color::{Encoding, LinearRgba};
+use crate::math::Size;
+use crate::par::Workers;
+use crate::picture::develop_row;
+use crate::picture::render::{Renderer, Shortfall, Shot};
+use crate::recipe::Prepared;
+use crate::visibility::{Domain, Samples};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// A finished picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels across and down.
+    pub size: Size,
+    /// sRGB bytes and straight alpha, rows from the top.
+    pub pixels: Vec<[u8; 4]>,
+    /// What it could not show.
+    pub shortfall: Shortfall,
+}
+
+/// A picture's light before it is developed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightPicture {
+    /// Pixels across and down.
+    pub size: Size,
+    /// Premultiplied linear light and coverage, rows from the top, no background.
+    pub light: Vec<LinearRgba>,
+    /// What it could not show.
+    pub shortfall: Shortfall,
+}
+
+impl Prepared {
+    /// How the surface maps to the picture's cells.
+    pub fn domain(&self) -> Domain<'_> {
+        self.view.domain(&self.scene, self.size)
+    }
+
+    /// What is looked up and what lights it, with `samples` places a pixel.
+    pub fn shot(&self, samples: Samples) -> Shot<'_> {
+        Shot { looks: &self.looks, lighting: &self.lighting, unlit: self.unlit, samples }
+    }
+
+    /// The picture in bytes. `progress` hears shares from 0 to 1, from any thread.
+    pub fn render(&self, workers: &Workers, progress: &(dyn Fn(f32) + Sync)) -> Picture {
+        let mut pixels = vec![[0u8; 4]; self.size.n_cells()];
+        let shortfall = self.draw(workers, progress, &mut pixels, |[_, y], light, row| {
+            develop_row(&self.develop, workers, light, self.background.row(y, self.size), y, row);
+        });
+        Picture { size: self.size, pixels, shortfall }
+    }
+
+    /// The picture in linear light.
+    pub fn light(&self, workers: &Workers, progress: &(dyn Fn(f32) + Sync)) -> LightPicture {
+        let mut light = vec![[0.0; 4]; self.size.n_cells()];
+        let shortfall = self.draw(workers, progress, &mut light, |_, cells, row| row.copy_from_slice(cells));
+        LightPicture { size: self.size, light, shortfall }
+    }
+
+    fn draw<T: Send>(
+        &self,
+        workers: &Workers,
+        progress: &(dyn Fn(f32) + Sync),
+        picture: &mut [T],
+        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync + Send,
+    ) -> Shortfall {
+        let (domain, shot) = (self.domain(), self.shot(self.samples));
+        let mut renderer = Renderer::default();
+        renderer.sort(&domain, &shot, workers);
+        let n_done = AtomicUsize::new(0);
+        let n_cells = self.size.n_cells();
+        renderer.shade(&domain, &shot, workers, picture, |place, cells, row| {
+            finish(place, cells, row);
+            let done = n_done.fetch_add(cells.len(), Ordering::Relaxed) + cells.len();
+            // One call for some thousand cells: often enough for the eye.
+            if done / PROGRESS_STEP != (done - cells.len()) / PROGRESS_STEP || done == n_cells {
+                progress(done as f32 / n_cells as f32);
+            }
+        })
+    }
+}
+
+/// Cells between two words about progress.
+const PROGRESS_STEP: usize = 1 << 14;
+
+impl Picture {
+    /// Whether a pixel lets the background through.
+    pub fn has_alpha(&self) -> bool {
+        self.pixels.iter().any(|p| p[3] != 255)
+    }
+
+    /// As a PNG file: three channels when it is opaque, four otherwise.
+    pub fn png(&self, metadata: &[(&str, String)]) -> Vec<u8> {
+        match self.has_alpha() {
+            true => image_write::png8(self.size, self.pixels.as_flattened(), Encoding::Srgb, metadata),
+            false => {
+                let rgb: Vec<u8> = self.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+                image_write::png8(self.size, &rgb, Encoding::Srgb, metadata)
+            }
+        }
+    }
+}
+
+impl LightPicture {
+    /// As an OpenEXR file: `R`, `G`, `B` premultiplied as the format wants it, `A` coverage.
+    pub fn exr(&self, metadata: &[(&str, String)]) -> Vec<u8> {
+        let channel = |c: usize| -> Vec<f32> { self.light.iter().map(|p| p[c]).collect() };
+        let [r, g, b, a] = [0, 1, 2, 3].map(channel);
+        let channels =
+            [("R", Numbers::F32(&r)), ("G", Numbers::F32(&g)), ("B", Numbers::F32(&b)), ("A", Numbers::F32(&a))];
+        image_write::exr(self.size, &channels, metadata)
+    }
+}

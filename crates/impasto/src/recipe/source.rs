@@ -1,0 +1,138 @@
+//! What a recipe names: files beside it, and samples made by formula.
+
+use crate::assets::{Scene, TextureImage, files};
+use crate::error::{Mended, Report, Result};
+use crate::math::Size;
+use crate::recipe::text::guess;
+use crate::recipe::words::{choose_or, impossible};
+use crate::recipe::{Input, Recipe};
+use crate::samples::{self, texture};
+use std::path::{Path, PathBuf};
+
+/// What stands before the name of a sample.
+pub const SAMPLE: &str = "sample:";
+
+/// The scene a recipe shows.
+///
+/// # Errors
+/// What the reader says; `Parameter` for names that are not known.
+pub fn scene(input: &Input, base: &Path) -> Result<Report<Scene>> {
+    let file = input.file.as_deref().ok_or_else(|| impossible("input", "", "a file, or sample:NAME"))?;
+    if let Some(name) = file.strip_prefix(SAMPLE) {
+        return sample_scene(name, input).map(Report::clean);
+    }
+    use files::{LoadOptions, Up};
+    let up = choose_or("up", &input.up, &[("auto", Up::Auto), ("y", Up::Y), ("z", Up::Z)], Up::Auto)?;
+    files::load(&place(base, file), &LoadOptions { up, ..LoadOptions::default() })
+}
+
+fn sample_scene(name: &str, input: &Input) -> Result<Scene> {
+    let resolution = input.resolution.unwrap_or(RESOLUTION);
+    if resolution > MOST_RESOLVED {
+        return Err(impossible("resolution", resolution, format!("at most {MOST_RESOLVED}")));
+    }
+    samples::scene(name, resolution, input.seed.unwrap_or(1)).ok_or_else(|| {
+        let names: Vec<&str> = samples::NAMES.iter().map(|(name, _)| *name).collect();
+        impossible("sample", name, guess(name, &names))
+    })
+}
+
+/// Edges along a sample's longest side, unless the recipe says otherwise.
+const RESOLUTION: u32 = 128;
+
+/// Beyond this a sample would not fit the memory of a usual machine.
+const MOST_RESOLVED: u32 = 4096;
+
+/// An image a recipe names; samples are `size` texels wide.
+pub(super) fn image(given: &str, base: &Path, seed: u32, mended: &mut Vec<Mended>) -> Result<TextureImage> {
+    if let Some(name) = given.strip_prefix(SAMPLE) {
+        return sample_image(name, TEXTURE_SIZE, seed);
+    }
+    let report = files::load_image(&place(base, given))?;
+    mended.extend(report.mended);
+    Ok(report.value)
+}
+
+/// A list of images; `sample:NAME` may stand for all of them.
+pub(super) fn images(given: &[String], base: &Path, seed: u32, mended: &mut Vec<Mended>) -> Result<Vec<TextureImage>> {
+    if let [one] = given
+        && let Some(name) = one.strip_prefix(SAMPLE)
+    {
+        return sample_images(name, STACK_SIZE, seed);
+    }
+    given.iter().map(|g| image(g, base, seed, mended)).collect()
+}
+
+/// Sample textures of one image.
+pub const TEXTURES: [&str; 15] = [
+    "uv-grid",
+    "checker",
+    "stripes",
+    "letter-f",
+    "alpha-dots",
+    "bricks",
+    "brick-heights",
+    "brick-normals",
+    "wood",
+    "marble",
+    "scales",
+    "scale-heights",
+    "leaf",
+    "sky",
+    "matcap",
+];
+
+/// Sample textures of several images: cubes, and a volume.
+pub const STACKS: [&str; 3] = ["sky-cube", "labelled-cube", "marble-volume"];
+
+/// The sample texture of that name, `n` texels wide.
+pub fn sample_image(name: &str, n: u32, seed: u32) -> Result<TextureImage> {
+    use texture::{charts, environment, materials, normal_map};
+    let size = Size::new(n, n);
+    Ok(match name.replace('_', "-").as_str() {
+        "uv-grid" => charts::uv_grid(size),
+        "checker" => charts::checker(size, 8),
+        "stripes" => charts::stripes(size, 8),
+        "letter-f" => charts::letter_f(size),
+        "alpha-dots" => charts::alpha_dots(size, 8),
+        "bricks" => materials::bricks(size, seed),
+        "brick-heights" => materials::brick_heights(size, seed),
+        "brick-normals" => normal_map(&materials::brick_heights(size, seed), 0.02),
+        "wood" => materials::wood(size, seed),
+        "marble" => materials::marble(size, seed),
+        "scales" => materials::scales(size, seed),
+        "scale-heights" => materials::scale_heights(size, seed),
+        "leaf" => materials::leaf(size),
+        "sky" => environment::sky_map(Size::new(n, n / 2)),
+        "matcap" => environment::matcap(size),
+        _ => return Err(impossible("sample texture", name, guess(name, &TEXTURES))),
+    })
+}
+
+/// The sample of several images of that name, `n` texels along an edge.
+fn sample_images(name: &str, n: u32, seed: u32) -> Result<Vec<TextureImage>> {
+    use texture::{environment, materials};
+    Ok(match name.replace('_', "-").as_str() {
+        "sky-cube" => environment::sky_cube(n).into(),
+        "labelled-cube" => environment::labelled_cube(n).into(),
+        "marble-volume" => materials::marble_volume(n, seed),
+        _ => return Err(impossible("sample texture", name, guess(name, &STACKS))),
+    })
+}
+
+/// Texels across a sample texture, unless the recipe says otherwise.
+const TEXTURE_SIZE: u32 = 1024;
+/// Texels along an edge of a sample volume or cube.
+const STACK_SIZE: u32 = 96;
+
+/// A path in a recipe counts from the recipe's folder.
+pub(super) fn place(base: &Path, given: &str) -> PathBuf {
+    base.join(given)
+}
+
+impl Recipe {
+    /// What is shown, for messages: the file's name as written.
+    pub fn subject(&self) -> &str {
+        self.input.file.as_deref().unwrap_or("nothing")
+    }
+}

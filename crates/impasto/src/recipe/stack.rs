@@ -1,0 +1,520 @@
+//! Layers of a recipe to layers of looks: textures prepared, coordinates placed, operators named.
+
+use crate::assets::{Filter, MinFilter, Sampler, Scene, Wrap};
+use crate::error::{Error, Mended, Result};
+use crate::lookup::{
+    BaseFormat, Channel, ColorTable, Compare, ImageTexture, Layer, Operator, Pattern, Prepare, Procedural, Target,
+    Texture, TextureId, Usage,
+};
+use crate::math::{Mat4, Projection, Vec3, exact, vec3};
+use crate::placement::{
+    Direction, FieldAxis, Intermediate, ObjectRay, Placement, PositionUnit, Projector, Space, TwoPart,
+};
+use crate::recipe::layer::{LayerRecipe, Numbers, Words};
+use crate::recipe::source;
+use crate::recipe::view::finite;
+use crate::recipe::words::{choose, choose_or, color, impossible};
+use crate::visibility::Camera;
+use std::path::Path;
+
+/// What layers are made for.
+pub(super) struct Ground<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) base: &'a Path,
+    pub(super) seed: u32,
+    /// UV set of layers that name none.
+    pub(super) uv_set: usize,
+}
+
+/// A layer and the texture it reads.
+pub(super) fn layer(recipe: &LayerRecipe, on: &Ground, mended: &mut Vec<Mended>) -> Result<(Layer, Texture)> {
+    let target = target(recipe)?;
+    let operator = operator(recipe, target)?;
+    let placement = placement(recipe, on)?;
+    let texture = texture(recipe, on, target, mended)?;
+    let strength = recipe.strength.unwrap_or(1.0);
+    if !(0.0..=1.0).contains(&strength) {
+        return Err(impossible("strength", strength, "0 (no effect) to 1 (the whole)"));
+    }
+    let matrix = matrix(recipe)?;
+    let channels = channels(recipe)?;
+    Ok((Layer { placement, matrix, texture: TextureId(0), operator, target, channels, strength }, texture))
+}
+
+fn target(recipe: &LayerRecipe) -> Result<Target> {
+    let amount = recipe.amount.unwrap_or(1.0);
+    if !amount.is_finite() {
+        return Err(impossible("amount", amount, "it must be finite"));
+    }
+    choose_or(
+        "target",
+        &recipe.target,
+        &[
+            ("color", Target::Color),
+            ("alpha", Target::Alpha),
+            ("normal", Target::Normal { scale: amount }),
+            ("bump", Target::Bump { scale: amount }),
+            ("roughness", Target::Roughness),
+            ("metalness", Target::Metalness),
+            ("occlusion", Target::Occlusion),
+            ("emission", Target::Emission),
+            ("coat", Target::Coat),
+            ("coat-roughness", Target::CoatRoughness),
+            ("coat-normal", Target::CoatNormal { scale: amount }),
+            ("height", Target::Height { scale: amount }),
+            ("info", Target::Info),
+        ],
+        Target::Color,
+    )
+}
+
+fn operator(recipe: &LayerRecipe, target: Target) -> Result<Operator> {
+    use Compare as C;
+    let constant = recipe.color.as_deref().map_or(Ok([0.0, 0.0, 0.0, 1.0]), |c| color("layer color", c))?;
+    let compare = choose_or(
+        "compare",
+        &recipe.compare,
+        &[
+            ("never", C::Never),
+            ("less", C::Less),
+            ("equal", C::Equal),
+            ("less-or-equal", C::LessOrEqual),
+            ("greater", C::Greater),
+            ("not-equal", C::NotEqual),
+            ("greater-or-equal", C::GreaterOrEqual),
+            ("always", C::Always),
+        ],
+        C::GreaterOrEqual,
+    )?;
+    let reference = recipe.reference.unwrap_or(0.5);
+    // Numbers that are data replace; a picture tints what is there.
+    let is_picture = matches!(target, Target::Color | Target::Alpha | Target::Occlusion);
+    let absent = match recipe.table.is_some() || !is_picture {
+        true => Operator::Replace,
+        false => Operator::Modulate,
+    };
+    choose_or(
+        "operator",
+        &recipe.operator,
+        &[
+            ("replace", Operator::Replace),
+            ("modulate", Operator::Modulate),
+            ("decal", Operator::Decal),
+            ("blend", Operator::Blend(constant)),
+            ("add", Operator::Add),
+            ("over", Operator::Over),
+            ("alpha-test", Operator::AlphaTest(compare, reference)),
+        ],
+        absent,
+    )
+}
+
+// Where the coordinate comes from.
+
+fn placement(recipe: &LayerRecipe, on: &Ground) -> Result<Placement> {
+    let absent = if recipe.table.is_some() { "field" } else { "uv" };
+    let given = recipe.coordinate.as_deref().unwrap_or(absent);
+    const NAMES: [&str; 17] = [
+        "uv",
+        "object-linear",
+        "eye-linear",
+        "world-linear",
+        "sphere-map",
+        "reflection-map",
+        "normal-map",
+        "view-normal",
+        "panorama",
+        "planar",
+        "cylindrical",
+        "spherical",
+        "box",
+        "camera",
+        "two-part",
+        "field",
+        "position",
+    ];
+    let space = choose_or("space", &recipe.space, &[("world", Space::World), ("eye", Space::Eye)], Space::World)?;
+    Ok(match choose("coordinate", given, &NAMES.map(|n| (n, n)))? {
+        "uv" => Placement::Uv(uv_set(recipe, on)?),
+        "object-linear" => Placement::ObjectLinear { planes: planes(recipe)?, world_from_object: None },
+        "eye-linear" => Placement::EyeLinear { planes: planes(recipe)? },
+        "world-linear" => Placement::WorldLinear { planes: planes(recipe)? },
+        "sphere-map" => Placement::SphereMap,
+        "reflection-map" => Placement::ReflectionMap { space },
+        "normal-map" => Placement::NormalMap { space },
+        "view-normal" => Placement::ViewNormal,
+        "panorama" => Placement::Equirectangular {
+            direction: choose_or(
+                "direction",
+                &recipe.direction,
+                &[
+                    ("reflection", Direction::Reflection),
+                    ("normal", Direction::Normal),
+                    ("position", Direction::Position),
+                ],
+                Direction::Reflection,
+            )?,
+            space,
+        },
+        "planar" => Placement::Planar { projector: projector(recipe, on)? },
+        "cylindrical" => Placement::Cylindrical { projector: projector(recipe, on)? },
+        "spherical" => Placement::Spherical { projector: projector(recipe, on)? },
+        "box" => Placement::Box { projector: projector(recipe, on)? },
+        "camera" => Placement::Camera { clip_from_world: slide_projector(recipe, on)? },
+        "two-part" => Placement::TwoPart(TwoPart {
+            surface: choose_or(
+                "surface",
+                &recipe.surface,
+                &[
+                    ("plane", Intermediate::Plane),
+                    ("cylinder", Intermediate::Cylinder),
+                    ("sphere", Intermediate::Sphere),
+                    ("box", Intermediate::Box),
+                ],
+                Intermediate::Cylinder,
+            )?,
+            ray: choose_or(
+                "ray",
+                &recipe.ray,
+                &[
+                    ("reflected-ray", ObjectRay::ReflectedRay),
+                    ("object-normal", ObjectRay::ObjectNormal),
+                    ("centroid", ObjectRay::Centroid),
+                    ("surface-normal", ObjectRay::SurfaceNormal),
+                ],
+                ObjectRay::SurfaceNormal,
+            )?,
+            projector: projector(recipe, on)?,
+        }),
+        "field" => Placement::Field { axes: [Some(field_axis(recipe, on)?), None, None] },
+        _ => Placement::Position {
+            unit: choose_or(
+                "unit",
+                &recipe.unit,
+                &[("model", PositionUnit::Model), ("bounds", PositionUnit::Bounds)],
+                PositionUnit::Bounds,
+            )?,
+        },
+    })
+}
+
+fn uv_set(recipe: &LayerRecipe, on: &Ground) -> Result<usize> {
+    let sets = on.scene.mesh.uv_sets();
+    if sets.is_empty() {
+        return Err(Error::NoUv {
+            path: on.scene.name.clone().into(),
+            task: "lay an image over it (--unwrap does so), or choose another coordinate, like coordinate=box,",
+        });
+    }
+    let Some(given) = recipe.uv_set.as_deref() else { return Ok(on.uv_set) };
+    let found = sets.iter().position(|s| s.name == given).or_else(|| given.parse().ok().filter(|i| *i < sets.len()));
+    found.ok_or_else(|| {
+        let names: Vec<&str> = sets.iter().map(|s| s.name.as_str()).collect();
+        impossible("UV set", given, format!("there are {}", names.join(", ")))
+    })
+}
+
+fn planes(recipe: &LayerRecipe) -> Result<[crate::math::Vec4; 3]> {
+    // Without planes: x, and y downward, as images have it.
+    let absent = vec![[1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    let given = recipe.planes.as_ref().unwrap_or(&absent);
+    if given.len() > 3 || given.iter().flatten().any(|x| !x.is_finite()) {
+        return Err(impossible("planes", format!("{given:?}"), "up to three planes [a, b, c, d] of finite numbers"));
+    }
+    Ok(std::array::from_fn(|i| given.get(i).copied().unwrap_or([0.0; 4]).into()))
+}
+
+fn projector(recipe: &LayerRecipe, on: &Ground) -> Result<Option<Projector>> {
+    if recipe.front.is_none() && recipe.up.is_none() && recipe.origin.is_none() && recipe.extent.is_none() {
+        return Ok(None);
+    }
+    let front = recipe.front.map_or(Ok(Vec3::Z), |v| finite("front", v))?;
+    let up = recipe.up.map_or(Ok(Vec3::Y), |v| finite("up", v))?;
+    let mut projector = Projector::facing(&on.scene.mesh.bounds(), front, up);
+    if let Some(origin) = recipe.origin {
+        projector.origin = finite("origin", origin)?;
+    }
+    if let Some(extent) = recipe.extent {
+        projector.size = finite("extent", extent)?;
+    }
+    Ok(Some(projector))
+}
+
+fn slide_projector(recipe: &LayerRecipe, on: &Ground) -> Result<Mat4> {
+    let bounds = on.scene.mesh.bounds();
+    let radius = bounds.radius().max(1e-20);
+    let target = recipe.target_or(bounds.center())?;
+    let eye = recipe.eye.map_or(Ok(target + vec3(0.0, 0.0, 3.0 * radius)), |v| finite("eye", v))?;
+    let up = recipe.up.map_or(Ok(Vec3::Y), |v| finite("up", v))?;
+    let fov = recipe.fov.unwrap_or(35.0);
+    if !(fov > 0.0 && fov < 179.0) {
+        return Err(impossible("fov", fov, "above 0 and below 179 degrees"));
+    }
+    let camera = Camera::looking(eye, target, up, Projection::Perspective { fov_y: fov.to_radians() }, radius * 1e-3);
+    let focal = 1.0 / exact::tan(fov.to_radians() as f64 * 0.5) as f32;
+    // w = -z; depth from 0 near to 1 far is of no use here: z/w is the distance's inverse.
+    let clip_from_camera = Mat4::from_cols_array_2d(&[
+        [focal, 0.0, 0.0, 0.0],
+        [0.0, focal, 0.0, 0.0],
+        [0.0, 0.0, 0.0, -1.0],
+        [0.0, 0.0, 1.0, 0.0],
+    ]);
+    Ok(clip_from_camera * camera.camera_from_world())
+}
+
+impl LayerRecipe {
+    fn target_or(&self, center: Vec3) -> Result<Vec3> {
+        self.aim.map_or(Ok(center), |v| finite("aim", v))
+    }
+}
+
+fn field_index(recipe: &LayerRecipe, on: &Ground) -> Result<usize> {
+    let fields = on.scene.mesh.fields();
+    let names: Vec<&str> = fields.iter().map(|f| f.name.as_str()).collect();
+    let given = recipe.field.as_deref().ok_or_else(|| impossible("field", "", known_fields(&names)))?;
+    names.iter().position(|n| *n == given).ok_or_else(|| impossible("field", given, known_fields(&names)))
+}
+
+fn known_fields(names: &[&str]) -> String {
+    match names.len() {
+        0 => "the surface carries no data".into(),
+        _ => format!("the surface carries {}", names.join(", ")),
+    }
+}
+
+/// The value itself: a colour table has its own range.
+fn field_axis(recipe: &LayerRecipe, on: &Ground) -> Result<FieldAxis> {
+    let field = field_index(recipe, on)?;
+    let n_components = on.scene.mesh.fields()[field].n_components;
+    let component = recipe.component.map(|c| c as usize).or((n_components == 1).then_some(0));
+    if component.is_some_and(|c| c >= n_components) {
+        return Err(impossible("component", component.unwrap_or(0), format!("the field has {n_components}, from 0")));
+    }
+    if recipe.table.is_some() {
+        return Ok(FieldAxis { field, component, scale: 1.0, offset: 0.0 });
+    }
+    let [from, to] = field_range(recipe, on)?;
+    Ok(FieldAxis::over(field, component, from, to))
+}
+
+fn field_range(recipe: &LayerRecipe, on: &Ground) -> Result<[f64; 2]> {
+    if let Some(range) = recipe.range {
+        return match range.iter().all(|x| x.is_finite()) {
+            true => Ok(range),
+            false => Err(impossible("range", format!("{range:?}"), "two finite numbers")),
+        };
+    }
+    let field = &on.scene.mesh.fields()[field_index(recipe, on)?];
+    let range = match (recipe.component, field.n_components) {
+        (Some(c), _) => field.range(c as usize),
+        (None, 1) => field.range(0),
+        (None, n) => {
+            let mut range = crate::assets::field::Range { min: f64::INFINITY, max: f64::NEG_INFINITY, n_missing: 0 };
+            for i in 0..field.n_elements() {
+                let squares = (0..n).map(|c| field.values.at(i * n + c)).map(|x| x * x);
+                let length = squares.sum::<f64>().sqrt();
+                if length.is_finite() {
+                    range.min = range.min.min(length);
+                    range.max = range.max.max(length);
+                }
+            }
+            range
+        }
+    };
+    match range.min <= range.max {
+        true => Ok([range.min, range.max]),
+        false => Err(impossible("field", &field.name, "all of its values are missing")),
+    }
+}
+
+// Which texture is read.
+
+fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended: &mut Vec<Mended>) -> Result<Texture> {
+    let seed = recipe.seed.unwrap_or(on.seed);
+    let sources = [&recipe.image, &recipe.procedural, &recipe.table];
+    let n_sources = sources.iter().filter(|s| s.is_some()).count() + recipe.images.is_some() as usize;
+    if n_sources != 1 {
+        return Err(impossible("layer", n_sources, "a layer reads one of image, images, procedural or table"));
+    }
+    if let Some(name) = &recipe.procedural {
+        return Ok(Texture::Procedural(procedural(name, recipe, seed)?));
+    }
+    if let Some(name) = &recipe.table {
+        let table = ColorTable::named(name)
+            .ok_or_else(|| impossible("table", name, crate::recipe::text::guess(name, &ColorTable::NAMES)))?;
+        let [from, to] = field_range(recipe, on)?;
+        let filter = choose_or("mag", &recipe.mag, &FILTERS, Filter::Linear)?;
+        return Ok(Texture::Table(ColorTable { range: [from as f32, to as f32], filter, ..table }));
+    }
+    let how = how(recipe, target)?;
+    if let Some(names) = &recipe.images {
+        let shape = recipe.shape.as_deref().unwrap_or("cube");
+        let is_cube = choose("shape", shape, &[("cube", true), ("volume", false)])?;
+        let images = source::images(names, on.base, seed, mended)?;
+        let made = if is_cube { ImageTexture::cube(&images, &how) } else { ImageTexture::volume(&images, &how) };
+        return Ok(Texture::Image(made?));
+    }
+    let image = source::image(recipe.image.as_deref().unwrap_or_default(), on.base, seed, mended)?;
+    Ok(Texture::Image(ImageTexture::new(&image, &how)))
+}
+
+const FILTERS: [(&str, Filter); 2] = [("nearest", Filter::Nearest), ("linear", Filter::Linear)];
+
+/// How an image is prepared.
+fn how(recipe: &LayerRecipe, target: Target) -> Result<Prepare> {
+    let absent = match target {
+        Target::Color | Target::Emission => Usage::Color,
+        Target::Normal { .. } | Target::CoatNormal { .. } => Usage::Normal,
+        Target::Bump { .. } => Usage::Slope,
+        _ => Usage::Data,
+    };
+    let usage = choose_or(
+        "usage",
+        &recipe.usage,
+        &[
+            ("color", Usage::Color),
+            ("data", Usage::Data),
+            ("normal", Usage::Normal),
+            ("slope", Usage::Slope),
+            ("label", Usage::Label),
+        ],
+        absent,
+    )?;
+    let format = match &recipe.format {
+        None => None,
+        Some(given) => Some(choose(
+            "format",
+            given,
+            &[
+                ("alpha", BaseFormat::Alpha),
+                ("luminance", BaseFormat::Luminance),
+                ("luminance-alpha", BaseFormat::LuminanceAlpha),
+                ("intensity", BaseFormat::Intensity),
+                ("rgb", BaseFormat::Rgb),
+                ("rgba", BaseFormat::Rgba),
+            ],
+        )?),
+    };
+    Ok(Prepare { format, ..Prepare::new(usage, sampler(recipe)?) })
+}
+
+/// How an image is read.
+pub(super) fn sampler(recipe: &LayerRecipe) -> Result<Sampler> {
+    const WRAPS: [(&str, Wrap); 4] = [
+        ("repeat", Wrap::Repeat),
+        ("mirrored-repeat", Wrap::MirroredRepeat),
+        ("clamp-to-edge", Wrap::ClampToEdge),
+        ("clamp-to-border", Wrap::ClampToBorder),
+    ];
+    let default = Sampler::default();
+    let wrap = match &recipe.wrap {
+        None => default.wrap,
+        Some(Words::One(word)) => [choose("wrap", word, &WRAPS)?; 3],
+        Some(Words::Each(words)) => {
+            let mut wrap = default.wrap;
+            if words.is_empty() || words.len() > 3 {
+                return Err(impossible("wrap", words.len(), "one word, or one each for s, t and r"));
+            }
+            for (slot, word) in wrap.iter_mut().zip(words) {
+                *slot = choose("wrap", word, &WRAPS)?;
+            }
+            wrap
+        }
+    };
+    let min = choose_or(
+        "min",
+        &recipe.min,
+        &[
+            ("nearest", MinFilter::Nearest),
+            ("linear", MinFilter::Linear),
+            ("nearest-mipmap-nearest", MinFilter::NearestMipmapNearest),
+            ("linear-mipmap-nearest", MinFilter::LinearMipmapNearest),
+            ("nearest-mipmap-linear", MinFilter::NearestMipmapLinear),
+            ("linear-mipmap-linear", MinFilter::LinearMipmapLinear),
+        ],
+        default.min,
+    )?;
+    // Who names a filter wants that filter, not more taps of it.
+    let anisotropy = recipe.anisotropy.unwrap_or(if recipe.min.is_some() { 1 } else { default.max_anisotropy });
+    if !(1..=16).contains(&anisotropy) {
+        return Err(impossible("anisotropy", anisotropy, "1 to 16"));
+    }
+    Ok(Sampler { wrap, mag: choose_or("mag", &recipe.mag, &FILTERS, default.mag)?, min, max_anisotropy: anisotropy })
+}
+
+fn procedural(name: &str, recipe: &LayerRecipe, seed: u32) -> Result<Procedural> {
+    let factor = recipe.shape_factor;
+    if factor.is_some_and(|f| !f.is_finite()) {
+        return Err(impossible("shape_factor", f32::NAN, "it must be finite"));
+    }
+    let octaves = factor.unwrap_or(5.0).clamp(1.0, 16.0) as u32;
+    let pattern = choose(
+        "procedural",
+        name,
+        &[
+            ("stripes", Pattern::Stripes { share: factor.unwrap_or(0.5) }),
+            ("checker", Pattern::Checker),
+            ("noise", Pattern::Noise { octaves, gain: 0.5 }),
+            ("cells", Pattern::Cells),
+            ("wood", Pattern::Wood { bend: factor.unwrap_or(0.5) }),
+            ("marble", Pattern::Marble { bend: factor.unwrap_or(2.0) }),
+        ],
+    )?;
+    let [dark, bright] = match &recipe.colors {
+        None => [[0.0, 0.0, 0.0, 1.0], [1.0; 4]],
+        Some([a, b]) => [color("layer colors", a)?, color("layer colors", b)?],
+    };
+    let frequency = recipe.frequency.unwrap_or(8.0);
+    if !(frequency.abs() < 1e6) {
+        return Err(impossible("frequency", frequency, "features in one unit of the coordinate"));
+    }
+    Ok(Procedural { pattern, frequency: [frequency; 3], colors: [dark, bright], seed })
+}
+
+fn channels(recipe: &LayerRecipe) -> Result<[Channel; 4]> {
+    let Some(given) = recipe.channels.as_deref() else { return Ok(Channel::RGBA) };
+    let letters: Option<Vec<Channel>> = given
+        .chars()
+        .map(|c| {
+            Some(match c {
+                'r' => Channel::Red,
+                'g' => Channel::Green,
+                'b' => Channel::Blue,
+                'a' => Channel::Alpha,
+                '0' => Channel::Zero,
+                '1' => Channel::One,
+                _ => return None,
+            })
+        })
+        .collect();
+    match letters.as_deref() {
+        Some(&[one]) => Ok([one; 4]),
+        Some(&[r, g, b, a]) => Ok([r, g, b, a]),
+        _ => Err(impossible("channels", given, "one or four letters of rgba01")),
+    }
+}
+
+/// Coordinates are scaled about the origin, turned about the middle of the image, and moved.
+fn matrix(recipe: &LayerRecipe) -> Result<Mat4> {
+    let finite = |m: Mat4| if m.is_finite() { Ok(m) } else { Err(impossible("matrix", "", "numbers must be finite")) };
+    if let Some(rows) = recipe.matrix {
+        return finite(Mat4::from_cols_array_2d(&rows).transpose());
+    }
+    let scale = recipe.scale.as_ref().map_or([1.0; 3], |s: &Numbers| s.three(1.0));
+    let offset = recipe.offset.as_ref().map_or([0.0; 3], |o: &Numbers| o.three(0.0));
+    let mut matrix = Mat4::from_scale(scale.into());
+    if let Some(degrees) = recipe.rotate {
+        let angle = degrees as f64 * (std::f64::consts::PI / 180.0);
+        let (s, c) = (exact::sin(angle) as f32, exact::cos(angle) as f32);
+        // t runs down: this turns the picture counter-clockwise as it is seen on the surface.
+        let turn = Mat4::from_cols_array_2d(&[
+            [c, s, 0.0, 0.0],
+            [-s, c, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0],
+        ]);
+        let middle = Vec3::new(0.5, 0.5, 0.0);
+        matrix = Mat4::from_translation(middle) * turn * Mat4::from_translation(-middle) * matrix;
+    }
+    finite(Mat4::from_translation(offset.into()) * matrix)
+}
