@@ -5,6 +5,7 @@
 
 pub use fearless_simd::Level;
 use rayon::prelude::*;
+use std::sync::Mutex;
 
 /// Who does the work: a number of threads and the SIMD level they use.
 pub struct Workers {
@@ -56,22 +57,28 @@ impl Workers {
         }
     }
 
-    /// Like [`for_each`](Self::for_each), with a scratch value that each thread makes once per run of items.
+    /// Like [`for_each`](Self::for_each), with a scratch value that each thread makes once.
     pub fn for_each_with<T: Send, S>(
         &self,
         items: &mut [T],
-        scratch: impl Fn() -> S + Sync + Send,
-        work: impl Fn(&mut S, usize, &mut T) + Sync + Send,
+        scratch: impl Fn() -> S + Sync,
+        work: impl Fn(&mut S, usize, &mut T) + Sync,
     ) {
-        match &self.pool {
-            None => {
-                let mut s = scratch();
-                items.iter_mut().enumerate().for_each(|(i, item)| work(&mut s, i, item));
+        let Some(pool) = &self.pool else {
+            let mut s = scratch();
+            items.iter_mut().enumerate().for_each(|(i, item)| work(&mut s, i, item));
+            return;
+        };
+        // Whoever is free takes the next item; which thread works on it does not show.
+        let queue = Mutex::new(items.iter_mut().enumerate());
+        pool.broadcast(|_| {
+            let mut s = scratch();
+            loop {
+                let next = queue.lock().expect("no thread panics while it takes an item").next();
+                let Some((i, item)) = next else { break };
+                work(&mut s, i, item);
             }
-            Some(pool) => pool.install(|| {
-                items.par_iter_mut().enumerate().for_each_init(&scratch, |s, (i, item)| work(s, i, item));
-            }),
-        }
+        });
     }
 
     /// `work(index)` for 0..n on all threads; the answers in order.

@@ -112,8 +112,7 @@ pub fn exr(size: Size, channels: &[(&str, Numbers)], metadata: &[(&str, String)]
         AnyChannel::new(Text::from(name.as_str()), samples)
     });
     let channels = AnyChannels::sort(list.collect());
-    let mut attributes = LayerAttributes::default();
-    attributes.software_name = Some(Text::from("Impasto"));
+    let mut attributes = LayerAttributes { software_name: Some(Text::from("Impasto")), ..LayerAttributes::default() };
     for (key, text) in metadata {
         let text: String = text.chars().map(|c| if (c as u32) < 256 { c } else { '?' }).collect();
         let value = Text::new_or_none(&text).unwrap_or_default();

@@ -6,7 +6,7 @@
 
 use crate::assets::{Filter, MinFilter, Wrap};
 use crate::lookup::texture::{ImageTexture, Shape, Store};
-use crate::math::{BATCH, Lane};
+use crate::math::{BATCH, Each, Lane};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, SimdMask, f32x8, i32x8, u16x16, u32x8, u64x4};
 
 /// What the passes hand to each other: for each of two levels, for each point.
@@ -73,8 +73,14 @@ fn address<S: Simd>(
     let last = f32x8::splat(simd, (texture.levels.len() - 1) as f32);
     let (zero, half, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 0.5), f32x8::splat(simd, 1.0));
     let rounds = texture.sampler.min == MinFilter::LinearMipmapNearest;
-    let size = [texture.levels[0].size[0], texture.levels[0].size[1]].map(|n| f32x8::splat(simd, n as f32));
-    let repeats = [0, 1].map(|axis| texture.sampler.wrap[axis] == Wrap::Repeat);
+    let size = [texture.levels[0].size[0], texture.levels[0].size[1]].each(
+        #[inline(always)]
+        |n| f32x8::splat(simd, n as f32),
+    );
+    let repeats = [0, 1].each(
+        #[inline(always)]
+        |axis| texture.sampler.wrap[axis] == Wrap::Repeat,
+    );
     let mut any = u32x8::splat(simd, 0);
     for i in (0..n).step_by(8) {
         let level = f32x8::from_slice(simd, &level[i..i + 8]);
@@ -167,12 +173,17 @@ fn filter<S: Simd, const BLENDS: bool>(simd: S, n: usize, scratch: &Packed, out:
 fn bilinear<S: Simd>(simd: S, scratch: &Packed, l: usize, i: usize) -> Halves<S> {
     let across = weights(simd, &scratch.weight[l][0], i);
     let down = weights(simd, &scratch.weight[l][1], i);
-    let row = |pairs: &[u64; BATCH]| {
-        let first: u32x8<S> = u64x4::from_slice(simd, &pairs[i..i + 4]).bitcast();
-        let second: u32x8<S> = u64x4::from_slice(simd, &pairs[i + 4..i + 8]).bitcast();
-        lerp(halves(first.unzip_low(second)), halves(first.unzip_high(second)), across)
-    };
-    lerp(row(&scratch.pairs[l][0]), row(&scratch.pairs[l][1]), down)
+    let upper = row(simd, &scratch.pairs[l][0], i, across);
+    let lower = row(simd, &scratch.pairs[l][1], i, across);
+    lerp(upper, lower, down)
+}
+
+/// Pairs of texels of eight points, mixed across.
+#[inline(always)]
+fn row<S: Simd>(simd: S, pairs: &[u64; BATCH], i: usize, across: u16x16<S>) -> Halves<S> {
+    let first: u32x8<S> = u64x4::from_slice(simd, &pairs[i..i + 4]).bitcast();
+    let second: u32x8<S> = u64x4::from_slice(simd, &pairs[i + 4..i + 8]).bitcast();
+    lerp(halves(first.unzip_low(second)), halves(first.unzip_high(second)), across)
 }
 
 #[inline(always)]
@@ -191,6 +202,5 @@ fn weights<S: Simd>(simd: S, lane: &[u32; BATCH], i: usize) -> u16x16<S> {
 #[inline(always)]
 fn lerp<S: Simd>(a: Halves<S>, b: Halves<S>, weight: u16x16<S>) -> Halves<S> {
     let rest = 256 - weight;
-    let mix = |a: u16x16<S>, b: u16x16<S>| (a * rest + b * weight + 128) >> 8;
-    Halves([mix(a.0[0], b.0[0]), mix(a.0[1], b.0[1])])
+    Halves([(a.0[0] * rest + b.0[0] * weight + 128) >> 8, (a.0[1] * rest + b.0[1] * weight + 128) >> 8])
 }

@@ -48,6 +48,8 @@ pub struct Surfaces {
     pub coat_normal: [Lane; 3],
     /// Height above the surface, model units (relief).
     pub height: Lane,
+    /// Numbers that layers wrote as information; 0 where none did.
+    pub info: [Lane; 4],
 }
 
 impl Surfaces {
@@ -67,6 +69,7 @@ impl Surfaces {
             coat_roughness: ZERO,
             coat_normal: [ZERO; 3],
             height: ZERO,
+            info: [ZERO; 4],
         })
     }
 }

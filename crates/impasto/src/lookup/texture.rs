@@ -16,6 +16,7 @@ use crate::math::{Size, unit_or, vec3};
 pub struct ImageTexture {
     /// For messages: the image's name.
     pub name: String,
+    pub(super) usage: Usage,
     pub(super) sampler: Sampler,
     pub(super) format: BaseFormat,
     pub(super) shape: Shape,
@@ -197,7 +198,7 @@ impl ImageTexture {
             (_, Stack::F32(grid)) if how.half => pack.map(Store::Half, grid.map(half_texel), mip::HALF),
             (_, Stack::F32(grid)) => pack.map(Store::Float, grid, mip::FLOAT),
         };
-        Self { name: first.name.clone(), sampler, format, shape, store, levels }
+        Self { name: first.name.clone(), usage: how.usage, sampler, format, shape, store, levels }
     }
 }
 

@@ -6,7 +6,7 @@
 //! draws the colour towards white, as film does. The bend is Reinhard's extended curve (2002), which reaches white.
 
 use crate::color::{Encoding, LinearRgb, LinearRgba, Srgb8Encoder};
-use crate::math::exact;
+use crate::math::{Each, exact};
 use crate::picture::lanes::{V, V3, at_least, at_most, clamp01, exp2, larger, log2, mix, splat, splat3, width};
 use fearless_simd::{Simd, prelude::*};
 
@@ -67,19 +67,44 @@ impl Develop {
         simd.vectorize(
             #[inline(always)]
             || {
-                let encoder = Srgb8Encoder::new();
-                self.each_group(simd, cells, under, |at, n, color, alpha| {
-                    let out = &mut out[at..at + n];
-                    match (self.dither, self.encoding) {
-                        (false, Encoding::Srgb) => store_srgb8::<S>(&encoder, color, alpha, out),
-                        (false, Encoding::Linear) => store_linear8(simd, color, alpha, [0.5; WIDEST], out),
-                        (true, encoding) => {
-                            let color = if encoding == Encoding::Srgb { srgb(simd, color) } else { color };
-                            let pattern = std::array::from_fn(|i| threshold(at as u32 + i as u32, y));
-                            store_linear8(simd, color, alpha, pattern, out);
-                        }
+                // Where nothing is, one pixel serves a whole row, but for the dither pattern.
+                let mut nothing = [[0; 4]];
+                self.groups8(simd, &[[0.0; 4]], under, y, &mut nothing);
+                let mut at = 0;
+                while at < cells.len() {
+                    let empty = cells[at..].iter().take_while(|c| c[3] == 0.0).count();
+                    let filled = cells[at + empty..].iter().take_while(|c| c[3] != 0.0).count();
+                    let n = if self.dither { cells.len() - at } else { empty + filled };
+                    let skip = if self.dither { 0 } else { empty };
+                    out[at..at + skip].fill(nothing[0]);
+                    self.groups8(simd, &cells[at + skip..at + n], under, y, &mut out[at + skip..at + n]);
+                    at += n;
+                }
+            },
+        );
+    }
+
+    /// A stretch of a row, a register at a time.
+    #[inline(always)]
+    fn groups8<S: Simd>(&self, simd: S, cells: &[LinearRgba], under: Option<LinearRgb>, y: u32, out: &mut [[u8; 4]]) {
+        let encoder = Srgb8Encoder::new();
+        self.each_group(
+            simd,
+            cells,
+            under,
+            #[inline(always)]
+            |at, n, color, alpha| {
+                let out = &mut out[at..at + n];
+                match (self.dither, self.encoding) {
+                    (false, Encoding::Srgb) => store_srgb8::<S>(&encoder, color, alpha, out),
+                    (false, Encoding::Linear) => store_linear8(simd, color, alpha, [0.5; WIDEST], out),
+                    (true, encoding) => {
+                        let color = if encoding == Encoding::Srgb { srgb(simd, color) } else { color };
+                        let mut pattern = [0.0; WIDEST];
+                        (0..n).for_each(|i| pattern[i] = threshold((at + i) as u32, y));
+                        store_linear8(simd, color, alpha, pattern, out);
                     }
-                });
+                }
             },
         );
     }
@@ -90,14 +115,22 @@ impl Develop {
         simd.vectorize(
             #[inline(always)]
             || {
-                self.each_group(simd, cells, under, |at, n, color, alpha| {
-                    let color = if self.encoding == Encoding::Srgb { srgb(simd, color) } else { color };
-                    let [r, g, b, a]: [S::u32s; 4] =
-                        [color[0], color[1], color[2], alpha].map(|v| (v * 65535.0 + 0.5).to_int());
-                    for (i, out) in out[at..at + n].iter_mut().enumerate() {
-                        *out = [r[i] as u16, g[i] as u16, b[i] as u16, a[i] as u16];
-                    }
-                });
+                self.each_group(
+                    simd,
+                    cells,
+                    under,
+                    #[inline(always)]
+                    |at, n, color, alpha| {
+                        let color = if self.encoding == Encoding::Srgb { srgb(simd, color) } else { color };
+                        let [r, g, b, a]: [S::u32s; 4] = [color[0], color[1], color[2], alpha].each(
+                            #[inline(always)]
+                            |v| (v * 65535.0 + 0.5).to_int(),
+                        );
+                        for (i, out) in out[at..at + n].iter_mut().enumerate() {
+                            *out = [r[i] as u16, g[i] as u16, b[i] as u16, a[i] as u16];
+                        }
+                    },
+                );
             },
         );
     }
@@ -132,16 +165,22 @@ impl Develop {
             // Straight colour; where nothing is, alpha's floor only avoids a division by zero.
             let inverse = splat(simd, 1.0) / at_least(simd, alpha, 1e-6);
             let full = alpha.simd_ge(splat(simd, 1.0));
-            let straight = [r, g, b].map(|c| full.select(c, c * inverse));
+            let straight = [r, g, b].each(
+                #[inline(always)]
+                |c| full.select(c, c * inverse),
+            );
             let color = self.bent(simd, straight, gain);
             let (color, alpha) = match under {
                 None => (color, alpha),
                 Some(under) => {
                     let under = splat3(simd, under);
-                    let over: V3<S> = std::array::from_fn(|c| {
-                        let mixed = mix::<S>(under[c], color[c], alpha);
-                        clamp01(simd, full.select(color[c], mixed))
-                    });
+                    let over: V3<S> = [0, 1, 2].each(
+                        #[inline(always)]
+                        |c| {
+                            let mixed = mix::<S>(under[c], color[c], alpha);
+                            clamp01(simd, full.select(color[c], mixed))
+                        },
+                    );
                     (over, splat(simd, 1.0))
                 }
             };
@@ -152,9 +191,15 @@ impl Develop {
     /// Exposure and curve for a register of straight colours; within [0, 1], NaN is 0.
     #[inline(always)]
     fn bent<S: Simd>(&self, simd: S, color: V3<S>, gain: f32) -> V3<S> {
-        let color = color.map(|c| at_most(simd, at_least(simd, c * gain, 0.0), 1e6));
+        let color = color.each(
+            #[inline(always)]
+            |c| at_most(simd, at_least(simd, c * gain, 0.0), 1e6),
+        );
         match self.curve {
-            Curve::Plain => color.map(|c| at_most(simd, c, 1.0)),
+            Curve::Plain => color.each(
+                #[inline(always)]
+                |c| at_most(simd, c, 1.0),
+            ),
             Curve::Filmic => {
                 let peak = larger::<S>(color[0], larger::<S>(color[1], color[2]));
                 let over = peak.simd_gt(splat(simd, KNEE));
@@ -162,7 +207,10 @@ impl Develop {
                 let ratio = new_peak / at_least(simd, peak, KNEE);
                 let bent_away = peak - new_peak;
                 let fade = splat(simd, 1.0) - splat(simd, 1.0) / (bent_away * FADE + 1.0);
-                color.map(|c| at_most(simd, over.select(mix::<S>(c * ratio, new_peak, fade), c), 1.0))
+                color.each(
+                    #[inline(always)]
+                    |c| at_most(simd, over.select(mix::<S>(c * ratio, new_peak, fade), c), 1.0),
+                )
             }
         }
     }
@@ -186,22 +234,28 @@ fn load_cells<S: Simd>(simd: S, cells: &[LinearRgba]) -> [V<S>; 4] {
             lanes[c][i] = cell[c];
         }
     }
-    lanes.map(|lane| V::<S>::from_slice(simd, &lane[..width::<S>()]))
+    lanes.each(
+        #[inline(always)]
+        |lane| V::<S>::from_slice(simd, &lane[..width::<S>()]),
+    )
 }
 
 /// The sRGB curve for numbers within [0, 1], to about 1e-6.
 #[inline(always)]
 fn srgb<S: Simd>(simd: S, color: V3<S>) -> V3<S> {
-    color.map(|x| {
-        let power = exp2(simd, log2(simd, x) * (1.0 / 2.4)) * 1.055 - 0.055;
-        clamp01(simd, x.simd_gt(splat(simd, 0.0031308)).select(power, x * 12.92))
-    })
+    color.each(
+        #[inline(always)]
+        |x| {
+            let power = exp2(simd, log2(simd, x) * (1.0 / 2.4)) * 1.055 - 0.055;
+            clamp01(simd, x.simd_gt(splat(simd, 0.0031308)).select(power, x * 12.92))
+        },
+    )
 }
 
 /// Pixels from colours within [0, 1]; each byte exactly rounded.
 #[inline(always)]
 fn store_srgb8<S: Simd>(encoder: &Srgb8Encoder, color: V3<S>, alpha: V<S>, out: &mut [[u8; 4]]) {
-    let a: S::u32s = (alpha * 255.0 + 0.5).to_int();
+    let a: S::i32s = (alpha * 255.0 + 0.5).to_int();
     for (i, out) in out.iter_mut().enumerate() {
         *out = [encoder.encode(color[0][i]), encoder.encode(color[1][i]), encoder.encode(color[2][i]), a[i] as u8];
     }
@@ -211,10 +265,14 @@ fn store_srgb8<S: Simd>(encoder: &Srgb8Encoder, color: V3<S>, alpha: V<S>, out: 
 #[inline(always)]
 fn store_linear8<S: Simd>(simd: S, color: V3<S>, alpha: V<S>, pattern: [f32; WIDEST], out: &mut [[u8; 4]]) {
     let pattern = V::<S>::from_slice(simd, &pattern[..width::<S>()]);
-    let [r, g, b]: [S::u32s; 3] = color.map(|c| at_most(simd, c * 255.0 + pattern, 255.0).to_int());
-    let a: S::u32s = (alpha * 255.0 + 0.5).to_int();
-    for (i, out) in out.iter_mut().enumerate() {
-        *out = [r[i] as u8, g[i] as u8, b[i] as u8, a[i] as u8];
+    let [r, g, b]: [S::i32s; 3] = color.each(
+        #[inline(always)]
+        |c| at_most(simd, c * 255.0 + pattern, 255.0).to_int(),
+    );
+    let a: S::i32s = (alpha * 255.0 + 0.5).to_int();
+    let pixels = r | (g << 8) | (b << 16) | (a << 24);
+    for (out, pixel) in out.iter_mut().zip(pixels.as_slice()) {
+        *out = pixel.to_le_bytes();
     }
 }
 

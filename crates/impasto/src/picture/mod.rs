@@ -4,10 +4,12 @@
 
 pub mod ambient;
 pub mod background;
+pub mod baseline;
 pub mod develop;
 mod lanes;
 pub mod light;
 mod metal_rough;
+pub mod render;
 pub mod shade;
 pub mod surroundings;
 
@@ -17,3 +19,18 @@ pub use develop::{Curve, Develop};
 pub use light::{Light, LightKind, Lighting};
 pub use shade::{needs, shade};
 pub use surroundings::{Panel, Reflection, Surroundings};
+
+use crate::color::{LinearRgb, LinearRgba};
+use crate::par::Workers;
+
+/// [`Develop::rgba8`] at the workers' SIMD level.
+pub fn develop_row(
+    develop: &Develop,
+    workers: &Workers,
+    light: &[LinearRgba],
+    under: Option<LinearRgb>,
+    y: u32,
+    row: &mut [[u8; 4]],
+) {
+    fearless_simd::dispatch!(workers.level(), simd => develop.rgba8(simd, light, under, y, row));
+}

@@ -142,7 +142,7 @@ fn reflected(view: Vec3, toward: Vec3, roughness: f32, metalness: f32) -> f32 {
 fn directional_light_from_everywhere_is_never_more_than_white() {
     // White furnace by numeric integration over lights. A single bounce loses what facets catch again: at roughness 1
     // and grazing angles up to six tenths, which is known and belongs to the model.
-    for (roughness, least) in [(0.3, 0.97), (0.6, 0.85), (1.0, 0.40)] {
+    for (roughness, least) in [(0.3, 0.90), (0.6, 0.75), (1.0, 0.40)] {
         for n_dot_v in [0.2f32, 0.6, 0.95] {
             let view = vec3((1.0 - n_dot_v * n_dot_v).sqrt(), 0.0, n_dot_v);
             const N: usize = 8000;

@@ -148,7 +148,7 @@ impl Motion {
 
     /// From the corners of each cell's triangle. A pass of its own: it reads here and there, the rule then does not.
     fn gather(&mut self, needs: Needs, mesh: &Mesh, surfels: &Surfels) {
-        for i in 0..surfels.n {
+        for i in 0..surfels.n.min(BATCH) {
             let corners = mesh.triangles()[surfels.triangle[i] as usize].map(|v| v as usize);
             if needs.position {
                 let [a, b, c] = corners.map(|v| mesh.positions()[v].to_array());

@@ -127,6 +127,28 @@ impl Tube {
         self.half_width = self.around.iter().fold(0.0, |m, b| m.max(b.abs()));
     }
 
+    /// The tube's pieces between these distances along the spine: charts of their own, the surface is the same.
+    pub(super) fn cut_at(&self, places: &[f64]) -> Vec<Self> {
+        let n = self.n_around;
+        let mut cuts = vec![0];
+        cuts.extend(places.iter().map(|s| self.stations.partition_point(|t| t < s)));
+        cuts.push(self.stations.len() - 1);
+        let piece = |w: &[usize]| {
+            let (first, last) = (w[0], w[1]);
+            let around = self.around[first * (n + 1)..(last + 1) * (n + 1)].to_vec();
+            Self {
+                n_around: n,
+                stations: self.stations[first..=last].to_vec(),
+                points: self.points[first * n..(last + 1) * n].to_vec(),
+                normals: self.normals[first * n..(last + 1) * n].to_vec(),
+                along: self.along[first..=last].iter().map(|a| a - self.along[first]).collect(),
+                half_width: around.iter().fold(0.0, |m, b| m.max(b.abs())),
+                around,
+            }
+        };
+        cuts.windows(2).map(piece).collect()
+    }
+
     /// Length and width of the chart, model units.
     pub(super) fn chart_size(&self) -> DVec2 {
         DVec2::new(self.along[self.along.len() - 1], 2.0 * self.half_width)

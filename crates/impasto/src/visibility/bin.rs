@@ -5,8 +5,9 @@
 
 use super::tile::{Draw, Faces, Kind, Samples, TILE, n_tiles};
 use super::{Domain, domain::Map};
-use crate::math::{DVec4, Vec4};
+use crate::math::{DVec4, Vec4, kernel};
 use crate::par::Workers;
+use fearless_simd::{dispatch, i32x8, prelude::*};
 
 /// Cells from the grid's origin within which triangles need no clipping; products of differences then fit 64 bits.
 const GUARD: f32 = 16000.0;
@@ -84,7 +85,7 @@ impl Bins {
             let binner = Binner { domain, vertices, samples, n_tiles: [n_x as i32, n_y as i32] };
             for draw in &share.draws {
                 let lists = if draw.kind == Kind::Layered { &mut share.layered } else { &mut share.solid };
-                binner.draw(draw, lists);
+                dispatch!(workers.level(), simd => binner.draw(simd, draw, lists));
             }
         });
     }
@@ -177,18 +178,64 @@ struct Binner<'a> {
     n_tiles: [i32; 2],
 }
 
+/// Triangles that are looked at together.
+const GROUP: usize = 8;
+
 impl Binner<'_> {
-    fn draw(&self, draw: &Draw, lists: &mut [Vec<Record>]) {
+    #[inline(always)]
+    fn draw<S: Simd>(&self, simd: S, draw: &Draw, lists: &mut [Vec<Record>]) {
         let flag = if draw.kind == Kind::Tested { TESTED } else { 0 };
         let range = draw.triangles.start as usize..draw.triangles.end as usize;
-        for (corners, id) in self.domain.mesh.triangles()[range].iter().zip(draw.triangles.clone()) {
-            let v = corners.map(|i| self.vertices[i as usize]);
-            if v[0].x == OUTSIDE || v[1].x == OUTSIDE || v[2].x == OUTSIDE {
-                self.clipped(*corners, v, id | flag, draw.faces, lists);
-            } else {
-                self.triangle(v, id | flag, draw.faces, lists);
+        for (g, group) in self.domain.mesh.triangles()[range].chunks(GROUP).enumerate() {
+            let mut x = [[0; GROUP]; 3];
+            let mut y = [[0; GROUP]; 3];
+            for (lane, corners) in group.iter().enumerate() {
+                for k in 0..3 {
+                    let v = &self.vertices[corners[k] as usize];
+                    x[k][lane] = v.x;
+                    y[k][lane] = v.y;
+                }
+            }
+            let mut todo = self.worth_a_look(simd, &x, &y, draw.faces) & ((1 << group.len()) - 1);
+            while todo != 0 {
+                let lane = todo.trailing_zeros() as usize;
+                todo &= todo - 1;
+                let id = (draw.triangles.start + (g * GROUP + lane) as u32) | flag;
+                let v = group[lane].map(|i| self.vertices[i as usize]);
+                if v.iter().any(|v| v.x == OUTSIDE) {
+                    self.clipped(group[lane], v, id, draw.faces, lists);
+                } else {
+                    self.triangle(v, id, draw.faces, lists);
+                }
             }
         }
+    }
+
+    /// Which of eight triangles may cover a sample: most small ones do not, or show their back. One bit each.
+    #[inline(always)]
+    fn worth_a_look<S: Simd>(&self, simd: S, x: &[[i32; GROUP]; 3], y: &[[i32; GROUP]; 3], faces: Faces) -> u32 {
+        let load = |v: &[i32; GROUP]| i32x8::load_array_ref(simd, v);
+        let splat = |v: i32| i32x8::splat(simd, v);
+        let (x, y) = (x.each_ref().map(load), y.each_ref().map(load));
+        let (x0, x1) = (x[0].min(x[1]).min(x[2]), x[0].max(x[1]).max(x[2]));
+        let (y0, y1) = (y[0].min(y[1]).min(y[2]), y[0].max(y[1]).max(y[2]));
+        let (spacing, first) = self.samples.spacing();
+        let shift = spacing.trailing_zeros();
+        let places = kernel(
+            #[inline(always)]
+            |lo: i32x8<S>, hi: i32x8<S>| {
+                ((lo + splat(spacing - 1 - first)) >> shift).simd_le((hi - splat(first)) >> shift)
+            },
+        );
+        let area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+        let faces = match faces {
+            Faces::Front => area.simd_lt(splat(0)),
+            Faces::Both => !area.simd_eq(splat(0)),
+        };
+        // Within 64 cells areas fit 32 bits. All others, and those to be clipped, are looked at in any case.
+        let limit = splat(64 * STEPS);
+        let small = (x1 - x0).simd_lt(limit) & (y1 - y0).simd_lt(limit) & x0.simd_gt(splat(OUTSIDE));
+        ((places(x0, x1) & places(y0, y1) & faces) | !small).to_bitmask() as u32
     }
 
     /// A triangle whose corners all lie within the guard band.

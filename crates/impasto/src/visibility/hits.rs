@@ -6,9 +6,9 @@
 
 use super::Domain;
 use super::tile::TILE;
-use crate::math::{BATCH, Lane, Vec2, Vec3};
+use crate::math::{BATCH, Each, Lane, Vec2, Vec3, kernel};
 use crate::placement::{Needs, Surfels};
-use fearless_simd::{f32x8, prelude::*};
+use fearless_simd::{f32x8, i32x8, prelude::*, u32x8};
 
 /// How many surface points a batch may hold when it is filled here: runs are written eight lanes at a time.
 pub const BATCH_FILL: usize = BATCH - 8;
@@ -16,16 +16,30 @@ pub const BATCH_FILL: usize = BATCH - 8;
 /// Lanes of a vector.
 const N: usize = 8;
 
-/// A stretch of the batch in one triangle, and what its barycentrics come from.
+/// A stretch of the batch in one triangle of one tile.
 #[derive(Clone, Copy)]
 struct Run {
-    start: usize,
-    end: usize,
+    start: u16,
+    end: u16,
     triangle: u32,
-    /// Coefficients of column for the second and third corner's edge function, and for the sum of all three.
-    a: [f32; 3],
-    /// The same for row.
-    b: [f32; 3],
+}
+
+impl Run {
+    /// Where vectors of lanes begin; the last may reach into the next run, which then overwrites it.
+    #[inline(always)]
+    fn vectors(&self) -> impl Iterator<Item = usize> + use<> {
+        (self.start as usize..self.end as usize).step_by(N)
+    }
+}
+
+/// Edge functions of the runs' triangles, `a * x + b * y + c` from their tile's corner: of the second corner, of the third,
+/// and the sum of all three. One entry a run.
+struct SetUps {
+    a: [Lane; 3],
+    b: [Lane; 3],
+    c: [Lane; 3],
+    /// 1 where the front is seen, -1 where the back is.
+    side: Lane,
 }
 
 /// Derives the lanes that `needs` asks for from `cell`, `triangle` and `n`. `place` is where in their cells they look, in
@@ -34,47 +48,74 @@ struct Run {
 /// An answer depends on its own cell and triangle only, not on its neighbours in the batch.
 #[inline(always)]
 pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: [i32; 2], surfels: &mut Surfels) {
-    let mut runs = [Run { start: 0, end: 0, triangle: 0, a: [0.0; 3], b: [0.0; 3] }; BATCH];
-    let mut sum = [0.0; BATCH];
-    let n_runs = edges(simd, domain, place, surfels, &mut sum, &mut runs);
+    assert!(surfels.n <= BATCH_FILL, "a batch is filled with at most {BATCH_FILL} points");
+    let mut runs = [Run { start: 0, end: 0, triangle: 0 }; BATCH];
+    let n_runs = find_runs(simd, surfels, &mut runs);
     let runs = &runs[..n_runs];
+    const ZERO: Lane = [0.0; BATCH];
+    let mut set_ups = SetUps { a: [ZERO; 3], b: [ZERO; 3], c: [ZERO; 3], side: ZERO };
+    set_up(domain, runs, surfels, &mut set_ups);
+    let mut sum = ZERO;
+    edges(simd, place, runs, &set_ups, surfels, &mut sum);
     weights(simd, surfels, &mut sum);
-    if needs.derivatives {
-        for run in runs {
-            derivatives(simd, run, surfels, &sum);
-        }
-    }
     let mesh = domain.mesh;
-    let corner = |t: u32| mesh.triangles()[t as usize];
-    for run in runs {
-        let c = corner(run.triangle);
+    for (i, run) in runs.iter().enumerate() {
+        let pick = |lanes: &[Lane; 3]| {
+            lanes.each_ref().each(
+                #[inline(always)]
+                |l| l[i],
+            )
+        };
+        let slopes = [pick(&set_ups.a), pick(&set_ups.b)];
+        let c = mesh.triangles()[run.triangle as usize];
+        if needs.derivatives {
+            derivatives(simd, run, slopes, surfels, &sum);
+        }
         if needs.normal {
-            interpolate(
-                simd,
-                run,
-                &surfels.barycentric,
-                c.map(|i| mesh.normals()[i as usize].to_array()),
-                &mut surfels.normal,
+            let n = c.each(
+                #[inline(always)]
+                |i| mesh.normals()[i as usize].to_array(),
             );
+            interpolate(simd, run, &surfels.barycentric, n, &mut surfels.normal);
         }
         if needs.position {
-            let p = c.map(|i| mesh.positions()[i as usize].to_array());
+            let p = c.each(
+                #[inline(always)]
+                |i| mesh.positions()[i as usize].to_array(),
+            );
             interpolate(simd, run, &surfels.barycentric, p, &mut surfels.position);
         }
         let mut sets = needs.uv_sets;
         while sets != 0 {
             let set = sets.trailing_zeros() as usize;
             sets &= sets - 1;
-            uv(simd, run, set, c.map(|i| mesh.uv_sets()[set].uv[i as usize]), surfels, &sum);
+            uv(
+                simd,
+                run,
+                set,
+                c.each(
+                    #[inline(always)]
+                    |i| mesh.uv_sets()[set].uv[i as usize],
+                ),
+                slopes,
+                surfels,
+                &sum,
+            );
         }
         if needs.tangent {
-            let t = c.map(|i| mesh.tangents()[i as usize].to_array());
+            let t = c.each(
+                #[inline(always)]
+                |i| mesh.tangents()[i as usize].to_array(),
+            );
             interpolate(simd, run, &surfels.barycentric, t, &mut surfels.tangent);
             // The sign is a corner's, not a mixture: all three agree where the layout is not mirrored.
-            surfels.tangent[3][run.start..run.end].fill(if t[0][3] < 0.0 { -1.0 } else { 1.0 });
+            surfels.tangent[3][run.start as usize..run.end as usize].fill(if t[0][3] < 0.0 { -1.0 } else { 1.0 });
         }
         if needs.color {
-            let v = c.map(|i| mesh.colors()[i as usize].to_array());
+            let v = c.each(
+                #[inline(always)]
+                |i| mesh.colors()[i as usize].to_array(),
+            );
             interpolate(simd, run, &surfels.barycentric, v, &mut surfels.color);
         }
     }
@@ -90,90 +131,153 @@ pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: [i32; 2], su
     }
 }
 
-/// Finds the runs and evaluates edge functions: the second and third corner's into `barycentric`, the sum into `sum`.
+/// Cuts the batch into runs. All cells of a run are measured from one origin, their tile's corner, whatever the batch.
 #[inline(always)]
-fn edges<S: Simd>(
-    simd: S,
-    domain: &Domain,
-    place: [i32; 2],
-    surfels: &mut Surfels,
-    sum: &mut Lane,
-    runs: &mut [Run; BATCH],
-) -> usize {
-    let n = surfels.n;
-    assert!(n <= BATCH_FILL, "a batch is filled with at most {BATCH_FILL} points");
+fn find_runs<S: Simd>(simd: S, surfels: &Surfels, runs: &mut [Run; BATCH]) -> usize {
+    let load = kernel(
+        #[inline(always)]
+        |lane: &[u32; BATCH], i: usize| u32x8::from_slice(simd, &lane[i..i + N]),
+    );
     let mut n_runs = 0;
     let mut start = 0;
-    while start < n {
-        let triangle = surfels.triangle[start];
-        // All cells of a run are measured from one origin: the corner of the tile they lie in. It must not depend on
-        // the batch, hence a change of tile ends a run.
-        let tile = [surfels.cell[0][start] / TILE as u32, surfels.cell[1][start] / TILE as u32];
-        let mut end = start + 1;
-        while end < n
-            && surfels.triangle[end] == triangle
-            && surfels.cell[0][end] / TILE as u32 == tile[0]
-            && surfels.cell[1][end] / TILE as u32 == tile[1]
-        {
-            end += 1;
+    for i in (1..surfels.n).step_by(N) {
+        // Where a lane differs from the one before in its triangle, or in its tile.
+        let [x, y] = &surfels.cell;
+        let moved = (load(x, i) ^ load(x, i - 1)) | (load(y, i) ^ load(y, i - 1));
+        let same = load(&surfels.triangle, i).simd_eq(load(&surfels.triangle, i - 1))
+            & moved.simd_lt(u32x8::splat(simd, TILE as u32));
+        let mut cuts = !(same.to_bitmask() as u32) & 0xff;
+        while cuts != 0 {
+            let end = i + cuts.trailing_zeros() as usize;
+            cuts &= cuts - 1;
+            if end < surfels.n {
+                runs[n_runs] = Run { start: start as u16, end: end as u16, triangle: surfels.triangle[start] };
+                n_runs += 1;
+                start = end;
+            }
         }
-        let origin = tile.map(|t| t * TILE as u32);
-        let set_up = SetUp::new(domain, triangle, origin);
-        let front = if set_up.area < 0.0 { 1.0 } else { -1.0 };
-        let offset = [0, 1].map(|k| place[k] as f32 * (1.0 / 256.0));
-        for i in (start..end).step_by(N) {
-            // Whole cells from the origin plus the place: exact in f32.
-            let coordinate = |k: usize| {
-                let cells: &[u32; N] = surfels.cell[k][i..i + N].try_into().expect("a vector of cells");
-                f32x8::from_fn(simd, |l| cells[l].wrapping_sub(origin[k]) as i32 as f32) + f32x8::splat(simd, offset[k])
-            };
-            let (x, y) = (coordinate(0), coordinate(1));
-            let edge = |k: usize| {
-                let row = f32x8::splat(simd, set_up.c[k]) + f32x8::splat(simd, set_up.b[k]) * y;
-                row + f32x8::splat(simd, set_up.a[k]) * x
-            };
-            store(edge(0), &mut surfels.barycentric[0], i);
-            store(edge(1), &mut surfels.barycentric[1], i);
-            store(edge(2), sum, i);
-            store(f32x8::splat(simd, front), &mut surfels.side, i);
-        }
-        runs[n_runs] = Run { start, end, triangle, a: set_up.a, b: set_up.b };
+    }
+    if surfels.n > 0 {
+        runs[n_runs] = Run { start: start as u16, end: surfels.n as u16, triangle: surfels.triangle[start] };
         n_runs += 1;
-        start = end;
     }
     n_runs
 }
 
-/// A triangle's edge functions of the second and third corner, and the sum of all three: `a * x + b * y + c`.
-struct SetUp {
-    a: [f32; 3],
-    b: [f32; 3],
-    c: [f32; 3],
-    /// Sign of the triangle's area with y down: negative is counter-clockwise with y up, the front.
-    area: f64,
+/// The edge functions of each run's triangle, eight runs at a time, in f64: relative to the tile's corner little is lost
+/// by cancellation.
+#[inline(always)]
+fn set_up(domain: &Domain, runs: &[Run], surfels: &Surfels, out: &mut SetUps) {
+    type Eight = [f64; N];
+    for first in (0..runs.len()).step_by(N) {
+        // Homogeneous corners, x y w each, relative to the origin.
+        let mut v = [[[0.0_f32; N]; 3]; 3];
+        let mut origin = [[0.0_f32; N]; 2];
+        for lane in 0..N {
+            let run = &runs[(first + lane).min(runs.len() - 1)];
+            for k in 0..2 {
+                origin[k][lane] = (surfels.cell[k][run.start as usize] & !(TILE as u32 - 1)) as i32 as f32;
+            }
+            for (corner, &vertex) in v.iter_mut().zip(&domain.mesh.triangles()[run.triangle as usize]) {
+                let c = domain.corner(vertex);
+                corner[0][lane] = c.x;
+                corner[1][lane] = c.y;
+                corner[2][lane] = c.w;
+            }
+        }
+        let mut q = [[[0.0_f64; N]; 3]; 3];
+        for corner in 0..3 {
+            for lane in 0..N {
+                let w = v[corner][2][lane] as f64;
+                q[corner][0][lane] = v[corner][0][lane] as f64 - origin[0][lane] as f64 * w;
+                q[corner][1][lane] = v[corner][1][lane] as f64 - origin[1][lane] as f64 * w;
+                q[corner][2][lane] = w;
+            }
+        }
+        let cross = |p: &[Eight; 3], q: &[Eight; 3]| -> [Eight; 3] {
+            let mut r = [[0.0; N]; 3];
+            for k in 0..3 {
+                let (a, b) = ((k + 1) % 3, (k + 2) % 3);
+                for lane in 0..N {
+                    r[k][lane] = p[a][lane] * q[b][lane] - p[b][lane] * q[a][lane];
+                }
+            }
+            r
+        };
+        let (e0, e1, e2) = (cross(&q[1], &q[2]), cross(&q[2], &q[0]), cross(&q[0], &q[1]));
+        let mut sum = [[0.0; N]; 3];
+        let (mut area, mut scale) = ([0.0; N], [0.0; N]);
+        for lane in 0..N {
+            for k in 0..3 {
+                sum[k][lane] = e0[k][lane] + e1[k][lane] + e2[k][lane];
+            }
+            area[lane] = q[0][0][lane] * e0[0][lane] + q[0][1][lane] * e0[1][lane] + q[0][2][lane] * e0[2][lane];
+            // Any common factor is allowed: this one keeps f32 far from its limits whatever the model's unit.
+            let larger = |a: f64, b: f64| if a > b { a } else { b };
+            let (s, t, u) = (sum[2][lane].abs(), e1[2][lane].abs(), e2[2][lane].abs());
+            let largest = larger(larger(larger(s, t), u), larger(sum[0][lane].abs(), sum[1][lane].abs()));
+            scale[lane] = if largest > 0.0 { 1.0 / largest } else { 0.0 };
+        }
+        for (k, e) in [&e1, &e2, &sum].into_iter().enumerate() {
+            for (out, e) in [&mut out.a[k], &mut out.b[k], &mut out.c[k]].into_iter().zip(e) {
+                for lane in 0..N {
+                    out[first + lane] = (e[lane] * scale[lane]) as f32;
+                }
+            }
+        }
+        for lane in 0..N {
+            // With y down the front, counter-clockwise with y up, has a negative area.
+            out.side[first + lane] = if area[lane] < 0.0 { 1.0 } else { -1.0 };
+        }
+    }
 }
 
-impl SetUp {
-    #[inline(always)]
-    fn new(domain: &Domain, triangle: u32, origin: [u32; 2]) -> Self {
-        let v = domain.mesh.triangles()[triangle as usize].map(|i| {
-            let c = domain.corner(i);
-            let w = c.w as f64;
-            // Relative to the origin, where little is lost by cancellation.
-            [c.x as f64 - origin[0] as f64 * w, c.y as f64 - origin[1] as f64 * w, w]
-        });
-        let cross = |p: [f64; 3], q: [f64; 3]| {
-            [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
-        };
-        let (e0, e1, e2) = (cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1]));
-        let s = [e0[0] + e1[0] + e2[0], e0[1] + e1[1] + e2[1], e0[2] + e1[2] + e2[2]];
-        let area = v[0][0] * e0[0] + v[0][1] * e0[1] + v[0][2] * e0[2];
-        // Any common factor is allowed: this one keeps f32 far from its limits whatever the model's unit.
-        let largest = s[2].abs().max(e1[2].abs()).max(e2[2].abs()).max(s[0].abs()).max(s[1].abs());
-        let k = if largest > 0.0 { 1.0 / largest } else { 0.0 };
-        let pick = |i: usize| [(e1[i] * k) as f32, (e2[i] * k) as f32, (s[i] * k) as f32];
-        Self { a: pick(0), b: pick(1), c: pick(2), area }
+/// Evaluates edge functions: the second and third corner's into `barycentric`, the sum into `sum`.
+#[inline(always)]
+fn edges<S: Simd>(simd: S, place: [i32; 2], runs: &[Run], set_ups: &SetUps, surfels: &mut Surfels, sum: &mut Lane) {
+    for (i, run) in runs.iter().enumerate() {
+        let splat = |lane: &Lane| f32x8::splat(simd, lane[i]);
+        let (a, b, c) = (
+            set_ups.a.each_ref().each(
+                #[inline(always)]
+                |l| splat(l),
+            ),
+            set_ups.b.each_ref().each(
+                #[inline(always)]
+                |l| splat(l),
+            ),
+            set_ups.c.each_ref().each(
+                #[inline(always)]
+                |l| splat(l),
+            ),
+        );
+        for at in run.vectors() {
+            let local = kernel(
+                #[inline(always)]
+                |k: usize| {
+                    let cell =
+                        u32x8::from_slice(simd, &surfels.cell[k][at..at + N]) & u32x8::splat(simd, TILE as u32 - 1);
+                    cells_to_float(simd, cell, place[k])
+                },
+            );
+            let (x, y) = (local(0), local(1));
+            let edge = kernel(
+                #[inline(always)]
+                |k: usize| (c[k] + b[k] * y) + a[k] * x,
+            );
+            store(edge(0), &mut surfels.barycentric[0], at);
+            store(edge(1), &mut surfels.barycentric[1], at);
+            store(edge(2), sum, at);
+            store(splat(&set_ups.side), &mut surfels.side, at);
+        }
     }
+}
+
+/// Whole cells plus a place within them, 1/256 each: exact in f32.
+#[inline(always)]
+fn cells_to_float<S: Simd>(simd: S, cells: u32x8<S>, place: i32) -> f32x8<S> {
+    let cells: i32x8<S> = cells.bitcast();
+    cells.to_float::<f32x8<S>>() + f32x8::splat(simd, place as f32 * (1.0 / 256.0))
 }
 
 /// Edge functions to barycentrics within the triangle; the sum's inverse replaces the sum.
@@ -186,11 +290,14 @@ fn weights<S: Simd>(simd: S, surfels: &mut Surfels, sum: &mut Lane) {
         let r = one / s;
         let r = s.simd_eq(zero).select(zero, r);
         // At silhouettes a cell's centre may lie just outside of the triangle: the nearest weights inside stand for it.
-        let clamp = |e: f32x8<S>, most: f32x8<S>| {
-            let b = e * r;
-            let b = b.simd_gt(zero).select(b, zero);
-            b.simd_lt(most).select(b, most)
-        };
+        let clamp = kernel(
+            #[inline(always)]
+            |e: f32x8<S>, most: f32x8<S>| {
+                let b = e * r;
+                let b = b.simd_gt(zero).select(b, zero);
+                b.simd_lt(most).select(b, most)
+            },
+        );
         let b1 = clamp(load(simd, &surfels.barycentric[0], i), one);
         let b2 = clamp(load(simd, &surfels.barycentric[1], i), one - b1);
         store(b1, &mut surfels.barycentric[0], i);
@@ -201,10 +308,10 @@ fn weights<S: Simd>(simd: S, surfels: &mut Surfels, sum: &mut Lane) {
 
 /// How barycentrics change per cell: the quotient rule on edge function over sum.
 #[inline(always)]
-fn derivatives<S: Simd>(simd: S, run: &Run, surfels: &mut Surfels, inverse: &Lane) {
-    for i in (run.start..run.end).step_by(N) {
+fn derivatives<S: Simd>(simd: S, run: &Run, slopes: [[f32; 3]; 2], surfels: &mut Surfels, inverse: &Lane) {
+    for i in run.vectors() {
         let r = load(simd, inverse, i);
-        for (axis, k) in [run.a, run.b].into_iter().enumerate() {
+        for (axis, k) in slopes.into_iter().enumerate() {
             for weight in 0..2 {
                 let b = load(simd, &surfels.barycentric[weight], i);
                 let d = (f32x8::splat(simd, k[weight]) - b * f32x8::splat(simd, k[2])) * r;
@@ -217,7 +324,7 @@ fn derivatives<S: Simd>(simd: S, run: &Run, surfels: &mut Surfels, inverse: &Lan
 /// `v0 + b1 * (v1 - v0) + b2 * (v2 - v0)` for each component.
 #[inline(always)]
 fn interpolate<S: Simd, const K: usize>(simd: S, run: &Run, b: &[Lane; 2], v: [[f32; K]; 3], out: &mut [Lane; K]) {
-    for i in (run.start..run.end).step_by(N) {
+    for i in run.vectors() {
         let (b1, b2) = (load(simd, &b[0], i), load(simd, &b[1], i));
         for k in 0..K {
             let (d1, d2) = (v[1][k] - v[0][k], v[2][k] - v[0][k]);
@@ -229,21 +336,29 @@ fn interpolate<S: Simd, const K: usize>(simd: S, run: &Run, b: &[Lane; 2], v: [[
 
 /// Texture coordinates and their footprint.
 #[inline(always)]
-fn uv<S: Simd>(simd: S, run: &Run, set: usize, t: [Vec2; 3], surfels: &mut Surfels, inverse: &Lane) {
+fn uv<S: Simd>(
+    simd: S,
+    run: &Run,
+    set: usize,
+    t: [Vec2; 3],
+    [a, b]: [[f32; 3]; 2],
+    surfels: &mut Surfels,
+    inverse: &Lane,
+) {
     let out = &mut surfels.uv[set];
     let splat = |x: f32| f32x8::splat(simd, x);
     for k in 0..2 {
         let (d1, d2) = (t[1][k] - t[0][k], t[2][k] - t[0][k]);
         // Change of the numerator per column and per row.
-        let gx = run.a[0] * d1 + run.a[1] * d2;
-        let gy = run.b[0] * d1 + run.b[1] * d2;
-        for i in (run.start..run.end).step_by(N) {
+        let gx = a[0] * d1 + a[1] * d2;
+        let gy = b[0] * d1 + b[1] * d2;
+        for i in run.vectors() {
             let (b1, b2) = (load(simd, &surfels.barycentric[0], i), load(simd, &surfels.barycentric[1], i));
             let r = load(simd, inverse, i);
             let along = b1 * splat(d1) + b2 * splat(d2);
             store(splat(t[0][k]) + along, &mut out.st[k], i);
-            store((splat(gx) - along * splat(run.a[2])) * r, &mut out.d_dx[k], i);
-            store((splat(gy) - along * splat(run.b[2])) * r, &mut out.d_dy[k], i);
+            store((splat(gx) - along * splat(a[2])) * r, &mut out.d_dx[k], i);
+            store((splat(gy) - along * splat(b[2])) * r, &mut out.d_dy[k], i);
         }
     }
 }
@@ -252,12 +367,11 @@ fn uv<S: Simd>(simd: S, run: &Run, set: usize, t: [Vec2; 3], surfels: &mut Surfe
 #[inline(always)]
 fn view<S: Simd>(simd: S, domain: &Domain, place: [i32; 2], surfels: &mut Surfels) {
     let [d, dx, dy]: [Vec3; 3] = domain.sight;
-    let offset = [0, 1].map(|k| place[k] as f32 * (1.0 / 256.0));
     for i in (0..surfels.n).step_by(N) {
-        let coordinate = |k: usize| {
-            let cells: &[u32; N] = surfels.cell[k][i..i + N].try_into().expect("a vector of cells");
-            f32x8::from_fn(simd, |l| cells[l] as i32 as f32) + f32x8::splat(simd, offset[k])
-        };
+        let coordinate = kernel(
+            #[inline(always)]
+            |k: usize| cells_to_float(simd, u32x8::from_slice(simd, &surfels.cell[k][i..i + N]), place[k]),
+        );
         let (x, y) = (coordinate(0), coordinate(1));
         for k in 0..3 {
             // Against the line of sight.

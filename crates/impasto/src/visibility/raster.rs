@@ -7,6 +7,7 @@
 use super::Hit;
 use super::bin::{Record, STEPS, TESTED};
 use super::tile::{AlphaTest, Layer, TILE, TILE_CELLS};
+use crate::math::{Each, kernel};
 use fearless_simd::{f32x8, i32x8, mask32x8, prelude::*, u32x8};
 
 /// Cells along the side of a block, and lanes of a vector.
@@ -213,21 +214,33 @@ impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
         // Groups of eight cells that never leave the tile's row.
         let first = x0.min(SIDE - BLOCK);
         let (px, py) = (ox + first * STEPS, oy + y0 * STEPS);
-        let edge = |i: usize, j: usize| {
-            let (dx, dy) = (r.x[j] - r.x[i], r.y[j] - r.y[i]);
-            let owns = dy < 0 || (dy == 0 && dx > 0);
-            let e = dx * (py - r.y[i]) - dy * (px - r.x[i]) - !owns as i32;
-            (e, -dy * STEPS, dx * STEPS)
-        };
+        let edge = kernel(
+            #[inline(always)]
+            |i: usize, j: usize| {
+                let (dx, dy) = (r.x[j] - r.x[i], r.y[j] - r.y[i]);
+                let owns = dy < 0 || (dy == 0 && dx > 0);
+                let e = dx * (py - r.y[i]) - dy * (px - r.x[i]) - !owns as i32;
+                (e, -dy * STEPS, dx * STEPS)
+            },
+        );
         let edges = [edge(0, 1), edge(1, 2), edge(2, 0)];
-        let slope = edges.map(|(_, a, _)| self.lanes_i * i32x8::splat(simd, a));
+        let slope = edges.each(
+            #[inline(always)]
+            |(_, a, _)| self.lanes_i * i32x8::splat(simd, a),
+        );
         let mut plane = None;
-        let mut e_row = edges.map(|(e, _, _)| e);
+        let mut e_row = edges.each(
+            #[inline(always)]
+            |(e, _, _)| e,
+        );
         for y in y0..=y1 {
             let mut x = first;
             loop {
                 let step = x - first;
-                let at = |k: usize| slope[k] + i32x8::splat(simd, e_row[k] + edges[k].1 * step);
+                let at = kernel(
+                    #[inline(always)]
+                    |k: usize| slope[k] + i32x8::splat(simd, e_row[k] + edges[k].1 * step),
+                );
                 let inside = (at(0) | at(1) | at(2)).simd_ge(i32x8::splat(simd, 0));
                 if inside.any_true() {
                     let plane = plane.get_or_insert_with(|| {
@@ -319,8 +332,14 @@ impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
         }
         let plane = Plane::new(r, area);
         let reach = BLOCK - 1;
-        let lane = edges.map(|(_, a, _)| self.lanes_i * i32x8::splat(simd, a));
-        let blocks = edges.map(|(_, a, _)| self.lanes_i * i32x8::splat(simd, a * BLOCK));
+        let lane = edges.each(
+            #[inline(always)]
+            |(_, a, _)| self.lanes_i * i32x8::splat(simd, a),
+        );
+        let blocks = edges.each(
+            #[inline(always)]
+            |(_, a, _)| self.lanes_i * i32x8::splat(simd, a * BLOCK),
+        );
         for by in (y0 & !(BLOCK - 1)..=y1).step_by(BLOCK as usize) {
             // Eight blocks at a time: which may hold a cell, which are inside whole?
             let mut most = i32x8::splat(simd, 0);
@@ -352,10 +371,13 @@ impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
                     }
                 } else {
                     for y in by..by + BLOCK {
-                        let at = |k: usize| {
-                            let (e, a, b) = edges[k];
-                            lane[k] + i32x8::splat(simd, e + a * bx + b * y)
-                        };
+                        let at = kernel(
+                            #[inline(always)]
+                            |k: usize| {
+                                let (e, a, b) = edges[k];
+                                lane[k] + i32x8::splat(simd, e + a * bx + b * y)
+                            },
+                        );
                         let inside = (at(0) | at(1) | at(2)).simd_ge(zero);
                         let now = self.write(r.id, &plane, bx, y, ox, oy, inside);
                         farthest = now.simd_lt(farthest).select(now, farthest);

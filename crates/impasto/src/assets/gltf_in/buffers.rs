@@ -14,8 +14,11 @@ pub(super) struct Buffers<'a> {
     /// The GLB's binary chunk: the first buffer, if that names no file.
     pub(super) chunk: Option<&'a [u8]>,
     pub(super) neighbours: &'a Neighbours<'a>,
-    pub(super) loaded: RefCell<Vec<Option<Result<Rc<[u8]>, Fault>>>>,
+    pub(super) loaded: RefCell<Vec<Option<Fetched>>>,
 }
+
+/// A buffer's bytes, or why there are none.
+type Fetched = Result<Rc<[u8]>, Fault>;
 
 impl<'a> Buffers<'a> {
     pub(super) fn new(root: Json<'a>, chunk: Option<&'a [u8]>, neighbours: &'a Neighbours<'a>) -> Self {
@@ -28,7 +31,7 @@ impl<'a> Buffers<'a> {
         self.loaded.borrow().iter().flatten().flatten().map(|b| b.len()).sum()
     }
 
-    fn buffer(&self, i: usize) -> Result<Rc<[u8]>, Fault> {
+    fn buffer(&self, i: usize) -> Fetched {
         let json = self.root.item("buffers", i)?;
         if let Some(known) = &self.loaded.borrow()[i] {
             return known.clone();
@@ -38,7 +41,7 @@ impl<'a> Buffers<'a> {
         bytes
     }
 
-    fn fetch(&self, i: usize, json: &Json) -> Result<Rc<[u8]>, Fault> {
+    fn fetch(&self, i: usize, json: &Json) -> Fetched {
         match json.text("uri")? {
             Some(uri) => self.resource(uri).map(Rc::from).map_err(|e| json.fault(e)),
             None if i == 0 && self.chunk.is_some() => Ok(Rc::from(self.chunk.unwrap_or_default())),
@@ -101,6 +104,21 @@ impl<'a> Buffers<'a> {
         Ok(Accessor { json, component, n_columns, n_rows, count, normalized })
     }
 
+    /// Whether the bytes of all its elements are there; before anything is made as large as an accessor claims to be.
+    pub(super) fn check(&self, a: &Accessor) -> Result<(), Fault> {
+        match a.json.member("bufferView") {
+            Some(view) => {
+                let view = self.view(view.as_index()?)?;
+                let offset = a.json.index("byteOffset")?.unwrap_or(0);
+                self.elements(a, &view, offset, a.count).map(drop)
+            }
+            None if a.count.saturating_mul(a.n_components()) > MAX_ZEROS => {
+                Err(a.json.fault(format_args!("claims {} elements without any bytes", a.count)))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// All numbers of an accessor, components together, sparse ones put in place. Normalized integers become fractions.
     pub(super) fn numbers(&self, accessor: &Accessor, normalized: bool) -> Result<Vec<f64>, Fault> {
         let a = accessor;
@@ -110,18 +128,16 @@ impl<'a> Buffers<'a> {
             Some(scale) => (x * scale).max(-1.0),
             None => x,
         };
+        self.check(a)?;
         let mut numbers = match a.json.member("bufferView") {
             Some(view) => {
                 let view = self.view(view.as_index()?)?;
                 let offset = a.json.index("byteOffset")?.unwrap_or(0);
-                let mut numbers = Vec::new();
+                let mut numbers = Vec::with_capacity(a.count * n);
                 for element in self.elements(a, &view, offset, a.count)? {
                     numbers.extend(a.offsets().map(|o| number(a.component.read(&element[o..]))));
                 }
                 numbers
-            }
-            None if a.count.saturating_mul(n) > MAX_ZEROS => {
-                return Err(a.json.fault(format_args!("claims {} elements without any bytes", a.count)));
             }
             None => vec![0.0; a.count * n],
         };

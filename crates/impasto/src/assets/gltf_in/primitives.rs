@@ -106,7 +106,7 @@ impl<'a> Shape<'a> {
         }
         let attributes = attributes(primitive)?;
         let n_vertices = self.position(primitive, &attributes)?.count;
-        let (triangles, n_out) = self.triangles(primitive, mode, n_vertices)?;
+        let (triangles, n_out) = self.triangles(primitive, mode, n_vertices, notes)?;
         notes.add_many("triangles with vertices that do not exist left out", n_out, primitive.place.clone());
         if triangles.is_empty() {
             return Ok(());
@@ -155,6 +155,7 @@ impl<'a> Shape<'a> {
         if packed && accessor.json.member("bufferView").is_none() {
             return Err(primitive.fault("Draco compression is not read"));
         }
+        self.buffers.check(&accessor)?;
         Ok(accessor)
     }
 
@@ -176,7 +177,13 @@ impl<'a> Shape<'a> {
     }
 
     /// Corners of the primitive's triangles, and how many were dropped because a vertex does not exist.
-    fn triangles(&self, primitive: &Json, mode: usize, n_vertices: usize) -> Result<(Vec<[u32; 3]>, usize), Fault> {
+    fn triangles(
+        &self,
+        primitive: &Json,
+        mode: usize,
+        n_vertices: usize,
+        notes: &mut Notes,
+    ) -> Result<(Vec<[u32; 3]>, usize), Fault> {
         let indices: Vec<u32> = match primitive.index("indices")? {
             None => (0..u32::try_from(n_vertices).map_err(|_| primitive.fault("too many vertices"))?).collect(),
             Some(i) => {
@@ -196,6 +203,9 @@ impl<'a> Shape<'a> {
             6 => indices.windows(2).skip(1).map(|w| [w[0], w[1], indices[0]]).collect(),
             other => return Err(primitive.fault(format_args!("{other} is no primitive mode"))),
         };
+        if mode == 4 {
+            notes.add_many("corners left over after the last triangle", indices.len() % 3, primitive.place.clone());
+        }
         let n_all = triangles.len();
         triangles.retain(|t| t.iter().all(|&i| (i as usize) < n_vertices));
         let n_out = n_all - triangles.len();
@@ -523,7 +533,7 @@ impl Attributes<'_, '_> {
         let extra = |key: &str| extras.and_then(|e| e.get(key));
         // glTF forbids NaN; our writer says which number stands for missing values.
         if let Some(missing) = extra("missing").and_then(|m| m.as_f64()) {
-            numbers.iter_mut().filter(|x| **x == missing).for_each(|x| *x = f64::NAN);
+            numbers.iter_mut().filter(|x| **x as f32 == missing as f32).for_each(|x| *x = f64::NAN);
         }
         let text = |key| extra(key).and_then(|t| t.as_str());
         let values = match accessor.component {

@@ -8,6 +8,8 @@ use crate::assets::{Image, Texels};
 use crate::color::Encoding;
 use crate::error::{Mended, note};
 use crate::math::Size;
+use exr::block::chunk::CompressedBlock;
+use exr::compression::Compression;
 use exr::meta::MetaData;
 use exr::meta::attribute::IntegerBounds;
 use exr::prelude::{AnyChannel, FlatSamples, ReadChannels, ReadLayers, read};
@@ -26,6 +28,9 @@ pub(super) fn decode(bytes: &[u8], mended: &mut Vec<Mended>) -> Result<Decoded, 
     check_claim(size_of(header.shared_attributes.display_window.size)?, 16, bytes.len())?;
     if let Some(channel) = header.channels.list.iter().find(|c| c.sampling.x() != 1 || c.sampling.y() != 1) {
         return Err(format!("channel {:?} of the EXR is subsampled, which is not read", channel.name.to_string()));
+    }
+    if meta.headers.iter().any(|h| matches!(h.compression, Compression::DWAA(_) | Compression::DWAB(_))) {
+        check_dwa(bytes, &meta)?;
     }
     note(mended, meta.headers.len() - 1, "further layers of the EXR left out");
 
@@ -52,6 +57,34 @@ pub(super) fn decode(bytes: &[u8], mended: &mut Vec<Mended>) -> Result<Decoded, 
     }
     let texels = placed(channels, &roles, data, window)?;
     Ok(Decoded { texels: Texels::F32(texels), encoding: Encoding::Linear, n_channels: roles.n_channels() })
+}
+
+/// Refuses blocks whose own header claims more numbers than their layer has: the decoder asks for memory before it looks.
+fn check_dwa(bytes: &[u8], meta: &MetaData) -> Result<(), Fault> {
+    let plain = |e: exr::error::Error| format!("broken or unknown EXR: {e}");
+    let chunks = exr::block::read(Cursor::new(bytes), false).and_then(|r| r.all_chunks(false)).map_err(plain)?;
+    for chunk in chunks {
+        let chunk = chunk.map_err(plain)?;
+        let data = match &chunk.compressed_block {
+            CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+            CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+            _ => continue,
+        };
+        let header = meta.headers.get(chunk.layer_index).ok_or("an EXR block of no layer")?;
+        if !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+            continue;
+        }
+        // Cosine blocks are of 8 x 8 texels; a number takes 2 or 4 bytes, and may be counted in bytes.
+        let padded = |n: usize| (n as u64).saturating_add(8);
+        let n_texels = padded(header.layer_size.x()).saturating_mul(padded(header.layer_size.y()));
+        let most = n_texels.saturating_mul(8 * header.channels.list.len() as u64);
+        // A version, nine sizes and counts, a method.
+        let claims = data.as_chunks::<8>().0.iter().map(|b| u64::from_le_bytes(*b)).skip(1).take(9);
+        if claims.into_iter().any(|claim| claim > most) {
+            return Err("a DWA block of the EXR claims more numbers than its layer has".into());
+        }
+    }
+    Ok(())
 }
 
 fn size_of(size: exr::math::Vec2<usize>) -> Result<Size, Fault> {

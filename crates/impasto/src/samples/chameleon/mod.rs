@@ -117,3 +117,114 @@ fn materials() -> Vec<Material> {
         })
         .to_vec()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::solid::measure;
+
+    #[test]
+    fn every_piece_is_closed_at_any_resolution() {
+        for resolution in [8, 33, 64, 128] {
+            let scene = scene(resolution, 16, 1);
+            let solid = measure(&scene.mesh);
+            // Body, 4 legs, 4 feet, 2 lids, 2 eyeballs, 2 pupils, twig, shoot, 3 leaves: 20 spheres.
+            assert!(solid.is_closed && solid.euler == 40, "{resolution}: {solid:?}");
+            assert!(solid.share_of_right_normals > 0.985, "{resolution}: {solid:?}");
+            assert_eq!(scene.mesh.parts().len(), PARTS.len());
+            assert_eq!(scene.mesh.parts().last().unwrap().triangles.end as usize, scene.mesh.triangles().len());
+        }
+    }
+
+    /// Draws all charts into a grid of 1024 x 1024 cells, each with its number; no cell belongs to two, and around each
+    /// there are four cells that belong to none but its own.
+    #[test]
+    fn charts_do_not_overlap_and_keep_their_distance() {
+        const N: i32 = 1024;
+        let pieces = shape::pieces(6.0 / 64.0);
+        let atlas = layout(&pieces);
+        let mut owner = vec![0u8; (N * N) as usize];
+        let mut n_covered = 0;
+        for (k, (piece, corner)) in pieces.iter().zip(&atlas.corners).enumerate() {
+            let mut raw = sheet::empty();
+            add(piece, &mut raw, |chart| (*corner + chart * atlas.scale) * N as f64);
+            for t in &raw.triangles {
+                let [a, b, c] = t.map(|i| raw.uv_sets[0].uv[i as usize].as_dvec2());
+                let area = (b - a).perp_dot(c - a);
+                assert!(area <= 1e-6, "piece {k} is mirrored or folded at {a}: {area}");
+                let (low, high) = (a.min(b).min(c).floor(), a.max(b).max(c).ceil());
+                assert!(
+                    low.min_element() >= 4.0 && high.max_element() <= (N - 4) as f64,
+                    "piece {k} leaves the square"
+                );
+                for y in low.y as i32..high.y as i32 {
+                    for x in low.x as i32..high.x as i32 {
+                        let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                        let is_in = |a: DVec2, b: DVec2| (b - a).perp_dot(p - a) < 0.0;
+                        if is_in(a, b) && is_in(b, c) && is_in(c, a) {
+                            let cell = &mut owner[(y * N + x) as usize];
+                            assert!(*cell == 0, "piece {k} covers texel {x},{y} of piece {}", *cell - 1);
+                            *cell = k as u8 + 1;
+                            n_covered += 1;
+                        }
+                    }
+                }
+            }
+        }
+        for y in 4..N - 4 {
+            for x in 4..N - 4 {
+                let own = owner[(y * N + x) as usize];
+                let is_alone = |o: u8| own == 0 || o == 0 || o == own;
+                for (dx, dy) in [(4, 0), (0, 4), (3, 3), (3, -3), (2, 0), (0, 2), (1, 0), (0, 1)] {
+                    assert!(is_alone(owner[((y + dy) * N + x + dx) as usize]), "two charts meet at {x},{y}");
+                }
+            }
+        }
+        let share = n_covered as f64 / (N * N) as f64;
+        assert!(share > 0.4, "only {share} of the texture is used");
+    }
+
+    /// Singular values of the map from surface to texture, relative to the atlas's scale.
+    #[test]
+    fn lengths_on_the_surface_are_nearly_those_in_the_texture() {
+        let scene = scene(96, 16, 1);
+        let scale = layout(&shape::pieces(6.0 / 96.0)).scale;
+        let (mut stretches, mut total) = (Vec::new(), 0.0);
+        for t in scene.mesh.triangles() {
+            let [a, b, c] = t.map(|i| scene.mesh.positions()[i as usize].as_dvec3());
+            let [p, q, r] = t.map(|i| scene.mesh.uv_sets()[0].uv[i as usize].as_dvec2() / scale);
+            let (e, f) = (b - a, c - a);
+            let area = e.cross(f).length();
+            let x = e.normalize();
+            let y = (f - x * x.dot(f)).normalize();
+            // Columns: texture change for a unit step along x and y.
+            let along = (q - p) / e.length();
+            let across = ((r - p) - along * f.dot(x)) / f.dot(y);
+            let (trace, det) = (along.length_squared() + across.length_squared(), along.perp_dot(across).abs());
+            let root = (trace * trace - 4.0 * det * det).max(0.0).sqrt();
+            let (high, low) = (((trace + root) / 2.0).sqrt(), ((trace - root) / 2.0).max(0.0).sqrt());
+            stretches.push((high.max(1.0 / low.max(1e-3)), area));
+            total += area;
+        }
+        stretches.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let quantile = |q: f64| {
+            let mut sum = 0.0;
+            stretches
+                .iter()
+                .find(|s| {
+                    sum += s.1;
+                    sum >= q * total
+                })
+                .unwrap()
+                .0
+        };
+        println!("stretch: median {:.3}, 90 % {:.3}, 95 % {:.3}", quantile(0.5), quantile(0.9), quantile(0.95));
+        assert!(quantile(0.5) < 1.3 && quantile(0.9) < 2.0, "{} {}", quantile(0.5), quantile(0.9));
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_bytes() {
+        let (a, b, c) = (scene(16, 64, 5), scene(16, 64, 5), scene(16, 64, 6));
+        assert!(a.mesh.positions() == b.mesh.positions() && a.images == b.images && a.images != c.images);
+    }
+}

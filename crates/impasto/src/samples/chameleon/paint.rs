@@ -94,8 +94,8 @@ fn saddles(c: Rgb, at: &Skin, wander: f64) -> Rgb {
     // A dark rim, then the band, then a light heart.
     let rim = edge(half + 0.028 - d, at.texel) * smooth(0.01, 0.05, half) * fade;
     let c = mix(c, shade(along(&BACK, at.s), 0.58), 0.8 * rim);
-    let c = mix(c, scales(warm, at), edge(half - d, at.texel) * fade);
-    mix(c, rgb(0xfff0b8), 0.75 * edge(half * 0.32 - d, at.texel) * fade * (1.0 - on_tail) * smooth(1.3, 0.5, around))
+    let c = mix(c, scales(warm, at), band(half, d, at.texel) * fade);
+    mix(c, rgb(0xfff0b8), 0.75 * band(half * 0.32, d, at.texel) * fade * (1.0 - on_tail) * smooth(1.3, 0.5, around))
 }
 
 /// Two rows of pale dots on each flank, between the saddles.
@@ -115,7 +115,7 @@ fn dots(c: Rgb, at: &Skin) -> Rgb {
         let here = k >= 0.0 && at.s > first - 0.2;
         let r = if here { radius * fade } else { 0.0 };
         c = mix(c, shade(along(&BACK, at.s), 0.6), 0.7 * edge(r + 0.016 - d, at.texel) * smooth(0.0, 0.01, r));
-        c = mix(c, rgb(0xfff4bf), edge(r - d, at.texel));
+        c = mix(c, rgb(0xfff4bf), band(r, d, at.texel));
     }
     c
 }
@@ -133,18 +133,18 @@ fn face(c: Rgb, at: &Skin) -> Rgb {
     for (k, reach) in [(0.0, 0.95), (1.0, 0.80), (2.0, 0.62)] {
         let d = (s - 1.12 - 0.2 * k - 0.16 * around).abs();
         let half = 0.042 * (1.0 - sq(around / reach)).max(0.0).sqrt();
-        c = mix(c, rgb(0xffb443), 0.9 * edge(half - d, texel));
+        c = mix(c, rgb(0xffb443), 0.9 * band(half, d, texel));
     }
     // Cheeks.
     let d = (sq(s - 0.99) + sq((around - 1.98) * local)).sqrt();
     c = mix(c, rgb(0xf98a68), 0.62 * (1.0 - smooth(0.05, 0.20, d)));
     // The mouth: lips a little lighter below, the line itself dark, its corner turned up.
     let t = s / landmark::MOUTH_CORNER;
-    let mouth = 1.76 + 0.30 * smooth(0.0, 0.55, t) - 0.42 * smooth(0.55, 1.04, t);
+    let mouth = 1.70 + 0.28 * smooth(0.0, 0.5, t) - 0.50 * smooth(0.5, 1.06, t);
     let d = (around - mouth) * local;
     let on = 1.0 - smooth(landmark::MOUTH_CORNER - 0.01, landmark::MOUTH_CORNER + 0.015, s);
     c = mix(c, rgb(0xf7f5c6), 0.5 * on * smooth(-0.005, 0.01, d) * (1.0 - smooth(0.02, 0.10, d)));
-    let width = 0.017 * (1.0 - 0.35 * t);
+    let width = 0.020 * (1.0 - 0.35 * t);
     c = mix(c, rgb(0x1c4a35), on * edge(width - d.abs(), texel));
     let corner = (sq(s - landmark::MOUTH_CORNER) + sq(d)).sqrt();
     c = mix(c, rgb(0x1c4a35), edge(0.024 - corner, texel));
@@ -162,7 +162,7 @@ fn leg(at: &Skin, root: f64) -> Rgb {
         let d = (at.s - 0.42 - 0.25 * k as f64 + 0.03 * wave(at, 2.0, 5) as f64).abs();
         let half = 0.052 * (1.0 - sq(at.angle / 1.9)).max(0.0).sqrt();
         c = mix(c, shade(c, 0.62), 0.7 * edge(half + 0.02 - d, at.texel) * smooth(0.0, 0.02, half));
-        c = mix(c, rgb(0xfba043), edge(half - d, at.texel));
+        c = mix(c, rgb(0xfba043), band(half, d, at.texel));
     }
     c
 }
@@ -258,6 +258,11 @@ fn along(stops: &[(f64, u32)], s: f64) -> Rgb {
 /// 0 outside, 1 inside, one and a half texels between; `inside` is a signed distance.
 fn edge(inside: f64, texel: f64) -> f64 {
     (0.5 + inside / (1.5 * texel)).clamp(0.0, 1.0)
+}
+
+/// How much of a texel a stripe of this half width covers, at a distance from its middle; a stripe that tapers off ends.
+fn band(half: f64, distance: f64, texel: f64) -> f64 {
+    edge(half - distance, texel) * smooth(0.0, 0.012, half)
 }
 
 fn mix(a: Rgb, b: Rgb, t: f64) -> Rgb {

@@ -47,7 +47,9 @@ impl Piece {
 
 /// All pieces, with triangle edges of about this length.
 pub(super) fn pieces(edge: f64) -> Vec<Piece> {
-    let mut pieces = vec![tube_piece(Kind::Body, 0, 0.0, body(edge))];
+    // In one piece the body would be a ribbon that leaves most of a square texture empty.
+    let body = body(edge).cut_at(&[landmark::TAIL + 0.35, landmark::TAIL + 3.7]);
+    let mut pieces: Vec<Piece> = body.into_iter().map(|tube| tube_piece(Kind::Body, 0, 0.0, tube)).collect();
     for side in [1.0, -1.0] {
         for leg in &LEGS {
             // The right legs stand a little further back: it walks.
@@ -100,9 +102,9 @@ const TRUNK: [[f64; 7]; 12] = [
     [1.10, 1.52, 0.0, 0.56, 0.46, 0.55, 0.38],
     [0.85, 1.50, 0.0, 0.52, 0.46, 0.50, 0.46],
     [0.58, 1.46, 0.0, 0.47, 0.45, 0.45, 0.16],
-    [0.20, 1.38, 0.0, 0.56, 0.53, 0.51, 0.04],
-    [-0.25, 1.30, 0.0, 0.66, 0.60, 0.57, 0.04],
-    [-0.70, 1.22, 0.0, 0.60, 0.53, 0.52, 0.04],
+    [0.20, 1.38, 0.0, 0.58, 0.54, 0.52, 0.04],
+    [-0.25, 1.30, 0.0, 0.72, 0.61, 0.58, 0.04],
+    [-0.70, 1.22, 0.0, 0.65, 0.54, 0.53, 0.04],
     [-1.10, 1.16, 0.0, 0.42, 0.37, 0.38, 0.03],
     [-1.50, 1.14, 0.0, 0.30, 0.27, 0.28, 0.02],
 ];
@@ -168,8 +170,8 @@ const LEGS: [Leg; 2] = [
         root: 2.1,
         shift: 0.13,
         rows: [
-            [0.42, 1.22, 0.30, 0.25],
-            [0.42, 1.02, 0.50, 0.23],
+            [0.30, 1.30, 0.16, 0.20],
+            [0.38, 1.02, 0.43, 0.245],
             [0.40, 0.72, 0.60, 0.165],
             [0.56, 0.42, 0.44, 0.125],
             [0.62, 0.20, 0.16, 0.115],
@@ -179,8 +181,8 @@ const LEGS: [Leg; 2] = [
         root: 3.0,
         shift: 0.12,
         rows: [
-            [-0.62, 1.10, 0.28, 0.28],
-            [-0.56, 0.92, 0.52, 0.26],
+            [-0.66, 1.22, 0.14, 0.20],
+            [-0.58, 0.94, 0.44, 0.275],
             [-0.50, 0.68, 0.62, 0.18],
             [-0.68, 0.42, 0.45, 0.13],
             [-0.70, 0.20, 0.16, 0.115],

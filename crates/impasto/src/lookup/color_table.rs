@@ -1,0 +1,165 @@
+//! Colour tables: a number's colour, with colours of their own below, above and for missing values.
+
+use crate::assets::Filter;
+use crate::color::{LinearRgba, linear_from_bytes, linear_from_srgb};
+use crate::lookup::Reading;
+use crate::lookup::viridis::VIRIDIS;
+use crate::math::Lane;
+use crate::math::exact;
+
+/// A one-dimensional texture of data: the coordinate s is the value itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColorTable {
+    /// At least one entry, in the order of the values; straight alpha.
+    pub colors: Vec<LinearRgba>,
+    /// The values at the first entry's outer edge and the last one's; the first may be the greater. All entries are
+    /// equally wide.
+    pub range: [f32; 2],
+    /// Whether a value has its entry's colour, or one between those of the nearest two centres (in linear light).
+    pub filter: Filter,
+    /// For values before the range; none: the first entry.
+    pub below: Option<LinearRgba>,
+    /// For values beyond the range; none: the last entry.
+    pub above: Option<LinearRgba>,
+    /// For NaN.
+    pub missing: LinearRgba,
+}
+
+impl ColorTable {
+    /// The names of [`ColorTable::named`].
+    pub const NAMES: [&str; 3] = ["viridis", "grey", "coolwarm"];
+
+    /// A table of 256 entries by its name, over [0, 1], nearest: `viridis` (van der Walt, Smith 2015), `grey` (even steps
+    /// of sRGB), `coolwarm` (Moreland, "Diverging color maps for scientific visualization", 2009).
+    pub fn named(name: &str) -> Option<Self> {
+        let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
+        let colors: Vec<_> = match name {
+            "viridis" => VIRIDIS.iter().map(|&bytes| opaque(linear_from_bytes(bytes))).collect(),
+            "grey" => (0..=255).map(|i| opaque(linear_from_bytes([i; 3]))).collect(),
+            "coolwarm" => (0..256).map(|i| opaque(cool_warm(i as f64 / 255.0))).collect(),
+            _ => return None,
+        };
+        Some(Self::over([0.0, 1.0], colors))
+    }
+
+    /// These colours over a range, nearest, magenta for missing values.
+    pub fn over(range: [f32; 2], colors: Vec<LinearRgba>) -> Self {
+        assert!(!colors.is_empty(), "a colour table needs a colour");
+        let missing = [linear_from_srgb(0.9) as f32, 0.0, linear_from_srgb(0.9) as f32, 1.0];
+        Self { colors, range, filter: Filter::Nearest, below: None, above: None, missing }
+    }
+
+    /// A value's colour.
+    #[inline(always)]
+    pub fn color(&self, value: f32) -> LinearRgba {
+        let [first, last] = self.range;
+        let extent = last - first;
+        // A range without extent: what is not below is at its end.
+        let x = if extent != 0.0 { (value - first) / extent } else { (value - first) * f32::MAX };
+        let ends = (self.colors[0], self.colors[self.colors.len() - 1]);
+        if x.is_nan() {
+            return if value.is_nan() { self.missing } else { ends.0 };
+        }
+        if x < 0.0 {
+            return self.below.unwrap_or(ends.0);
+        }
+        if x > 1.0 {
+            return self.above.unwrap_or(ends.1);
+        }
+        let n = self.colors.len();
+        match self.filter {
+            Filter::Nearest => self.colors[((x * n as f32) as usize).min(n - 1)],
+            Filter::Linear => {
+                let place = x * n as f32 - 0.5;
+                let place = if place > 0.0 { place } else { 0.0 };
+                let i = (place as usize).min(n - 1);
+                let (a, b) = (self.colors[i], self.colors[(i + 1).min(n - 1)]);
+                std::array::from_fn(|c| a[c] + (b[c] - a[c]) * (place - i as f32))
+            }
+        }
+    }
+
+    pub(super) fn read(&self, values: &Lane, n: usize, out: &mut Reading) {
+        out.is_whole = true;
+        for i in 0..n {
+            let color = self.color(values[i]);
+            (0..4).for_each(|c| out.rgba[c][i] = color[c]);
+        }
+    }
+}
+
+/// Moreland's blue - light grey - red, interpolated in his polar form of CIE Lab (Msh).
+fn cool_warm(x: f64) -> [f32; 3] {
+    // Saturation and hue of the two ends: sRGB (59, 76, 192) and (180, 4, 38); white in the middle has M = 88.
+    const BLUE: [f64; 3] = [80.0, 1.08, -1.1];
+    const RED: [f64; 3] = [80.0, 1.08, 0.5];
+    const WHITE: f64 = 88.0;
+    // Towards white the hue turns, so that steps look equal.
+    let spin = BLUE[1] * exact::pow(WHITE * WHITE - BLUE[0] * BLUE[0], 0.5) / (BLUE[0] * exact::sin(BLUE[1]));
+    let (end, hue_at_white, t) = match x < 0.5 {
+        true => (BLUE, BLUE[2] - spin, 2.0 * x),
+        false => (RED, RED[2] + spin, 2.0 - 2.0 * x),
+    };
+    let mix = |a: f64, b: f64| a + (b - a) * t;
+    let (m, s, h) = (mix(end[0], WHITE), mix(end[1], 0.0), mix(end[2], hue_at_white));
+    let lab = [m * exact::cos(s), m * exact::sin(s) * exact::cos(h), m * exact::sin(s) * exact::sin(h)];
+    linear_from_lab(lab)
+}
+
+/// CIE Lab (D65) to linear light within [0, 1].
+fn linear_from_lab([l, a, b]: [f64; 3]) -> [f32; 3] {
+    let fy = (l + 16.0) / 116.0;
+    let inverse = |f: f64| if f > 6.0 / 29.0 { f * f * f } else { (f - 4.0 / 29.0) * (108.0 / 841.0) };
+    let (x, y, z) = (0.9505 * inverse(fy + a / 500.0), inverse(fy), 1.089 * inverse(fy - b / 200.0));
+    let rgb = [
+        3.2406 * x - 1.5372 * y - 0.4986 * z,
+        -0.9689 * x + 1.8758 * y + 0.0415 * z,
+        0.0557 * x - 0.2040 * y + 1.0570 * z,
+    ];
+    rgb.map(|c| c.clamp(0.0, 1.0) as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::srgb8_from_linear;
+
+    fn bytes(c: LinearRgba) -> [u8; 3] {
+        [0, 1, 2].map(|k| srgb8_from_linear(c[k]))
+    }
+
+    #[test]
+    fn named_tables_have_their_authors_ends() {
+        let ends = |name: &str| {
+            let table = ColorTable::named(name).expect("a known name");
+            [0.0, 1.0].map(|x| bytes(table.color(x)))
+        };
+        assert_eq!(ends("viridis"), [[68, 1, 84], [253, 231, 37]]);
+        assert_eq!(ends("grey"), [[0; 3], [255; 3]]);
+        let [cool, warm] = ends("coolwarm");
+        let close = |a: [u8; 3], b: [u8; 3]| (0..3).all(|k| a[k].abs_diff(b[k]) <= 3);
+        assert!(close(cool, [59, 76, 192]) && close(warm, [180, 4, 38]), "{cool:?} {warm:?}");
+        let middle = bytes(ColorTable::named("coolwarm").expect("known").color(0.5));
+        assert!(close(middle, [221, 221, 221]), "{middle:?}");
+        assert!(ColorTable::named("jet").is_none());
+    }
+
+    #[test]
+    fn values_outside_and_missing_have_their_own_colours() {
+        let grey = |x: f32| [x, x, x, 1.0];
+        let mut table = ColorTable::over([10.0, 30.0], vec![grey(0.25), grey(0.5), grey(1.0), grey(0.75)]);
+        let of = |table: &ColorTable, value: f32| table.color(value)[0];
+        assert_eq!([9.0, 10.0, 14.99, 15.0, 30.0, 31.0].map(|v| of(&table, v)), [0.25, 0.25, 0.25, 0.5, 0.75, 0.75]);
+        table.below = Some(grey(7.0));
+        table.above = Some(grey(8.0));
+        table.missing = grey(9.0);
+        assert_eq!([9.0, 10.0, 30.0, 31.0, f32::NAN].map(|v| of(&table, v)), [7.0, 0.25, 0.75, 8.0, 9.0]);
+        assert_eq!(of(&table, f32::INFINITY), 8.0);
+        table.filter = Filter::Linear;
+        assert_eq!([12.5, 15.0, 17.5, 30.0].map(|v| of(&table, v)), [0.25, 0.375, 0.5, 0.75]);
+        table.range = [30.0, 10.0];
+        assert_eq!([30.0, 10.0, 31.0].map(|v| of(&table, v)), [0.25, 0.75, 7.0]);
+        table.range = [5.0, 5.0];
+        assert_eq!([4.0, 5.0, 6.0].map(|v| of(&table, v)), [7.0, 0.25, 8.0]);
+    }
+}

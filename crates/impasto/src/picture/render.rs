@@ -1,0 +1,499 @@
+//! The tile loop: from sorted triangles to finished rows, one tile at a time.
+//!
+//! Each tile is rasterized, its cells are gathered into batches of one look each, looked up, lit, and resolved in linear
+//! light. Transparent layers go first, nearest first, and what they let through is kept for each sample. A surface is
+//! shaded once for each cell it shows in, however many of its samples it covers.
+
+use crate::assets::{AlphaMode, Mesh, Part};
+use crate::color::LinearRgba;
+use crate::lookup::{self, Looks, Points, Shading, Surfaces};
+use crate::math::{BATCH, Lane, kernel};
+use crate::par::Workers;
+use crate::picture::{self, Lighting};
+use crate::placement::{Needs, Surfels, TexCoords};
+use crate::visibility::{
+    self, AlphaTest, BATCH_FILL, Domain, Draw, Faces, Hit, InfoBuffer, Kind, Samples, TILE, Tile, Tiles, tile::Layer,
+};
+use fearless_simd::{dispatch, mask32x8, prelude::*, u32x8};
+use std::ops::{Deref, DerefMut};
+use std::sync::Mutex;
+
+/// All that a picture depends on besides where surfaces are seen, which a [`Domain`] says.
+pub struct Shot<'a> {
+    /// What surfaces look like.
+    pub looks: &'a Looks,
+    /// What lights them.
+    pub lighting: &'a Lighting,
+    /// Show colours as they are, whatever the looks say.
+    pub unlit: bool,
+    /// Places looked at in each cell.
+    pub samples: Samples,
+}
+
+/// What a picture could not show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shortfall {
+    /// Tiles with more transparent layers behind each other than [`visibility::tile::MAX_LAYERS`].
+    pub n_truncated_tiles: usize,
+}
+
+/// How a mesh's triangles take part, from the looks of its parts.
+pub fn draws(mesh: &Mesh, looks: &Looks) -> Vec<Draw> {
+    let draw = |(i, part): (usize, &Part)| {
+        let look = looks.look_of_part(i);
+        let kind = match look.alpha_mode {
+            AlphaMode::Blend => Kind::Layered,
+            _ if look.is_opaque() => Kind::Solid,
+            _ => Kind::Tested,
+        };
+        let faces = if look.is_double_sided { Faces::Both } else { Faces::Front };
+        Draw { triangles: part.triangles.clone(), faces, kind }
+    };
+    mesh.parts().iter().enumerate().map(draw).collect()
+}
+
+/// Sorts, rasterizes and shades views; keeps its buffers from one to the next.
+#[derive(Default)]
+pub struct Renderer {
+    /// The last view's triangles by tile.
+    pub tiles: Tiles,
+    rooms: Mutex<Vec<Box<Room>>>,
+}
+
+impl Renderer {
+    /// Sorts a view's triangles into tiles for [`shade`](Self::shade).
+    pub fn sort(&mut self, domain: &Domain, shot: &Shot, workers: &Workers) {
+        self.tiles.bin(domain, &draws(domain.mesh, shot.looks), shot.samples, workers);
+    }
+
+    /// Rasterizes and shades what [`sort`](Self::sort) prepared. `finish` gets the column and row of the first of a run of
+    /// cells, their premultiplied linear light, and their place in `picture`, which has one entry a cell.
+    pub fn shade<T: Send>(
+        &self,
+        domain: &Domain,
+        shot: &Shot,
+        workers: &Workers,
+        picture: &mut [T],
+        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+    ) -> Shortfall {
+        self.each_tile(domain, shot, workers, picture, finish, |index, shader| {
+            let Room { tile, alpha, .. } = &mut *shader.room;
+            let mut test = |id, column, row, bits, place| {
+                alpha_test((domain, shot, workers), alpha, id, [column, row], bits, place)
+            };
+            self.tiles.rasterize(index, Some(&mut test as &mut AlphaTest), workers, tile);
+            let tile = std::mem::take(tile);
+            shader.shade(&tile);
+            shader.room.tile = tile;
+        })
+    }
+
+    /// Shades an information buffer again, for other textures, lights or layers: only triangles that are seen are looked at.
+    pub fn shade_buffer<T: Send>(
+        &self,
+        buffer: &InfoBuffer,
+        domain: &Domain,
+        shot: &Shot,
+        workers: &Workers,
+        picture: &mut [T],
+        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+    ) -> Shortfall {
+        assert_eq!((buffer.size, buffer.samples), (domain.size, shot.samples), "the buffer belongs to another view");
+        self.each_tile(domain, shot, workers, picture, finish, |index, shader| shader.shade(&buffer.tiles[index]))
+    }
+
+    fn each_tile<T: Send>(
+        &self,
+        domain: &Domain,
+        shot: &Shot,
+        workers: &Workers,
+        picture: &mut [T],
+        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+        shade: impl Fn(usize, &mut Shader) + Sync,
+    ) -> Shortfall {
+        assert_eq!(picture.len(), domain.size.n_cells(), "the picture has one entry a cell");
+        let [n_x, n_y] = visibility::tile::n_tiles(domain.size);
+        let mut jobs: Vec<Job<T>> =
+            (0..n_x * n_y).map(|_| Job { rows: Vec::with_capacity(TILE), truncated: false }).collect();
+        for (y, row) in picture.chunks_mut(domain.size.width.max(1) as usize).enumerate() {
+            for (x, run) in row.chunks_mut(TILE).enumerate() {
+                jobs[y / TILE * n_x + x].rows.push(run);
+            }
+        }
+        workers.for_each_with(
+            &mut jobs,
+            || Shader::new(domain, shot, workers, &self.rooms),
+            |shader, index, job| {
+                shade(index, shader);
+                job.truncated = shader.truncated;
+                let (x, y) = ((index % n_x * TILE) as u32, (index / n_x * TILE) as u32);
+                for (i, row) in job.rows.iter_mut().enumerate() {
+                    finish([x, y + i as u32], &shader.room.light[i * TILE..][..row.len()], row);
+                }
+            },
+        );
+        Shortfall { n_truncated_tiles: jobs.iter().filter(|j| j.truncated).count() }
+    }
+}
+
+/// The information buffer of a shot, alpha tests included.
+pub fn info_buffer(domain: &Domain, shot: &Shot, workers: &Workers) -> InfoBuffer {
+    let test = || -> Box<AlphaTest> {
+        let mut room = None;
+        Box::new(move |id, column, row, bits, place| {
+            alpha_test((domain, shot, workers), &mut room, id, [column, row], bits, place)
+        })
+    };
+    InfoBuffer::build(domain, &draws(domain.mesh, shot.looks), shot.samples, Some(&test), workers)
+}
+
+/// Rows of one tile in the picture.
+struct Job<'a, T> {
+    rows: Vec<&'a mut [T]>,
+    truncated: bool,
+}
+
+/// Surfaces of one look that wait for a full batch: in which cell of the tile they show, in which of its samples (bits).
+struct Waiting {
+    n: usize,
+    cell: [u32; BATCH],
+    triangle: [u32; BATCH],
+    samples: [u32; BATCH],
+}
+
+impl Waiting {
+    const EMPTY: Self = Self { n: 0, cell: [0; BATCH], triangle: [0; BATCH], samples: [0; BATCH] };
+
+    /// Whether eight more would still fit a batch.
+    #[inline(always)]
+    fn has_room(&self) -> bool {
+        self.n + LANES <= BATCH_FILL
+    }
+
+    #[inline(always)]
+    fn push(&mut self, cell: u32, triangle: u32, samples: u32) {
+        self.cell[self.n] = cell;
+        self.triangle[self.n] = triangle;
+        self.samples[self.n] = samples;
+        self.n += 1;
+    }
+}
+
+/// Cells that are gathered together.
+const LANES: usize = 8;
+
+/// Room that a thread works in, kept from picture to picture.
+#[derive(Default)]
+struct Room {
+    tile: Tile,
+    batch: Batch,
+    alpha: Option<Box<Batch>>,
+    /// By look.
+    waiting: Vec<Waiting>,
+    /// Premultiplied linear light of the tile's cells.
+    light: Vec<LinearRgba>,
+    /// What gets through to the next layer, for each sample of each cell; empty when nothing transparent was met.
+    through: Vec<f32>,
+}
+
+/// One batch's way from surfels to light.
+struct Batch {
+    surfels: Box<Surfels>,
+    surfaces: Box<Surfaces>,
+    scratch: Box<lookup::Scratch>,
+    light: Box<[Lane; 3]>,
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self {
+            surfels: Surfels::new(0),
+            surfaces: Surfaces::new(),
+            scratch: lookup::Scratch::new(),
+            light: Box::new([[0.0; BATCH]; 3]),
+        }
+    }
+}
+
+/// What a thread needs to shade tiles.
+struct Shader<'a> {
+    domain: &'a Domain<'a>,
+    shot: &'a Shot<'a>,
+    workers: &'a Workers,
+    /// For each look, what its passes read.
+    needs: Vec<Needs>,
+    room: Loan<'a>,
+    truncated: bool,
+}
+
+/// What a look and its light read of surfels.
+pub fn needs(shot: &Shot, look: usize) -> Needs {
+    let look = &shot.looks.looks[look];
+    let shading = if shot.unlit { Shading::Unlit } else { look.shading };
+    look.needs().or(picture::needs(shading, shot.lighting))
+}
+
+impl<'a> Shader<'a> {
+    fn new(domain: &'a Domain<'a>, shot: &'a Shot<'a>, workers: &'a Workers, rooms: &'a Mutex<Vec<Box<Room>>>) -> Self {
+        let room = rooms.lock().ok().and_then(|mut rooms| rooms.pop()).unwrap_or_default();
+        let mut room = Loan { room: Some(room), home: rooms };
+        let n_looks = shot.looks.looks.len();
+        room.batch.surfels.uv.resize(domain.mesh.uv_sets().len(), TexCoords::ZERO);
+        room.waiting.resize_with(n_looks, || Waiting::EMPTY);
+        room.light.resize(TILE * TILE, [0.0; 4]);
+        let needs = (0..n_looks).map(|look| needs(shot, look)).collect();
+        Self { domain, shot, workers, needs, room, truncated: false }
+    }
+
+    /// Fills `light` with what the tile's cells send towards the eye.
+    fn shade(&mut self, tile: &Tile) {
+        self.truncated = tile.truncated;
+        self.room.light.fill([0.0; 4]);
+        if !tile.touched {
+            return;
+        }
+        self.room.through.clear();
+        if tile.n_layers > 0 {
+            self.room.through.resize(TILE * TILE * self.shot.samples.n(), 1.0);
+        }
+        for layer in &tile.layers[..tile.n_layers] {
+            self.layer(tile, layer);
+        }
+        self.layer(tile, &tile.solid);
+    }
+
+    fn layer(&mut self, tile: &Tile, layer: &Layer) {
+        dispatch!(self.workers.level(), simd => self.gather(simd, tile, layer));
+        for look in 0..self.room.waiting.len() {
+            self.flush(tile, look);
+        }
+    }
+
+    /// Sorts a layer's cells by look: eight at a time those that show one triangle in all samples, one by one the others.
+    #[inline(always)]
+    fn gather<S: Simd>(&mut self, simd: S, tile: &Tile, layer: &Layer) {
+        let n_samples = self.shot.samples.n();
+        let every = (1 << n_samples) - 1;
+        let mut parts = PartCursor::new(self.domain.mesh, self.shot.looks);
+        let only_look = parts.only_look();
+        let (one_look, look) = (only_look.is_some(), only_look.unwrap_or(0));
+        let columns = u32x8::from_fn(simd, |i| i as u32);
+        let extent = tile.extent.map(|e| e as usize);
+        for y in 0..extent[1] {
+            for x in (0..extent[0]).step_by(LANES) {
+                let cell = y * TILE + x;
+                let ids = kernel(
+                    #[inline(always)]
+                    |s: usize| u32x8::from_slice(simd, &layer.ids[s * TILE * TILE + cell..][..LANES]),
+                );
+                let first = ids(0);
+                let nothing = first.simd_eq(u32x8::splat(simd, Hit::NOTHING));
+                let mut same = mask32x8::splat(simd, true);
+                for s in 1..n_samples {
+                    same = same & ids(s).simd_eq(first);
+                }
+                let within = (1_u32 << (extent[0] - x).min(LANES)) - 1;
+                let same_bits = same.to_bitmask() as u32;
+                let whole = same_bits & !(nothing.to_bitmask() as u32) & within;
+                if whole != 0 && one_look {
+                    if !self.room.waiting[look].has_room() {
+                        self.flush(tile, look);
+                    }
+                    let waiting = &mut self.room.waiting[look];
+                    let n = waiting.n;
+                    let keep = mask32x8::from_bitmask(simd, whole as u64);
+                    first.compress(keep).store_slice(&mut waiting.triangle[n..n + LANES]);
+                    let cells = columns + u32x8::splat(simd, cell as u32);
+                    cells.compress(keep).store_slice(&mut waiting.cell[n..n + LANES]);
+                    u32x8::splat(simd, every).store_slice(&mut waiting.samples[n..n + LANES]);
+                    waiting.n += whole.count_ones() as usize;
+                }
+                let mut rest = if one_look { !same_bits & within } else { !same_bits & within | whole };
+                while rest != 0 {
+                    self.split(tile, layer, cell + rest.trailing_zeros() as usize, &mut parts);
+                    rest &= rest - 1;
+                }
+            }
+        }
+    }
+
+    /// The distinct triangles among one cell's samples.
+    fn split(&mut self, tile: &Tile, layer: &Layer, cell: usize, parts: &mut PartCursor) {
+        let n_samples = self.shot.samples.n();
+        let at = |s: usize| layer.ids[s * TILE * TILE + cell];
+        let mut left: u32 = (1 << n_samples) - 1;
+        while left != 0 {
+            let triangle = at(left.trailing_zeros() as usize);
+            let samples = (0..n_samples).fold(0, |bits, s| bits | ((at(s) == triangle) as u32) << s);
+            left &= !samples;
+            if triangle != Hit::NOTHING {
+                let look = parts.look(triangle);
+                if !self.room.waiting[look].has_room() {
+                    self.flush(tile, look);
+                }
+                self.room.waiting[look].push(cell as u32, triangle, samples);
+            }
+        }
+    }
+
+    /// Looks up and lights what waits, and adds it to the cells.
+    fn flush(&mut self, tile: &Tile, look: usize) {
+        let Room { waiting, batch, .. } = &mut *self.room;
+        let waiting = &waiting[look];
+        if waiting.n == 0 {
+            return;
+        }
+        let n = waiting.n;
+        let surfels = &mut batch.surfels;
+        surfels.n = n;
+        surfels.triangle[..n].copy_from_slice(&waiting.triangle[..n]);
+        for (x, cell) in surfels.cell[0][..n].iter_mut().zip(&waiting.cell) {
+            *x = tile.origin[0] + cell % TILE as u32;
+        }
+        for (y, cell) in surfels.cell[1][..n].iter_mut().zip(&waiting.cell) {
+            *y = tile.origin[1] + cell / TILE as u32;
+        }
+        let (domain, shot, needs) = (self.domain, self.shot, self.needs[look]);
+        dispatch!(self.workers.level(), simd => look_and_light(simd, domain, shot, look, needs, batch));
+        self.composite(look);
+        self.room.waiting[look].n = 0;
+    }
+
+    /// Adds a batch's light to its cells, weighted by the samples covered and by what nearer layers let through.
+    fn composite(&mut self, look: usize) {
+        let n_samples = self.shot.samples.n();
+        let Room { waiting, batch, light, through, .. } = &mut *self.room;
+        let waiting = &waiting[look];
+        let light: &mut [LinearRgba; TILE * TILE] = light.as_mut_slice().try_into().expect("a tile of light");
+        let [r, g, b] = &*batch.light;
+        if n_samples == 1 && through.is_empty() {
+            for i in 0..waiting.n {
+                light[waiting.cell[i] as usize % (TILE * TILE)] = [r[i], g[i], b[i], 1.0];
+            }
+            return;
+        }
+        let share = 1.0 / n_samples as f32;
+        let blend = self.shot.looks.looks[look].alpha_mode == AlphaMode::Blend;
+        for i in 0..waiting.n {
+            let alpha = if blend { batch.surfaces.alpha[i] } else { 1.0 };
+            let (index, samples) = (waiting.cell[i] as usize, waiting.samples[i]);
+            let weight = if through.is_empty() {
+                samples.count_ones() as f32 * share
+            } else {
+                let mut weight = 0.0;
+                for s in (0..n_samples).filter(|s| samples >> s & 1 == 1) {
+                    let through = &mut through[s * TILE * TILE + index];
+                    weight += *through * alpha;
+                    *through *= 1.0 - alpha;
+                }
+                weight * share
+            };
+            let cell = &mut light[index % (TILE * TILE)];
+            *cell = [cell[0] + weight * r[i], cell[1] + weight * g[i], cell[2] + weight * b[i], cell[3] + weight];
+        }
+    }
+}
+
+/// A room on loan: it goes back when the picture is done.
+struct Loan<'a> {
+    room: Option<Box<Room>>,
+    home: &'a Mutex<Vec<Box<Room>>>,
+}
+
+impl Deref for Loan<'_> {
+    type Target = Room;
+    fn deref(&self) -> &Room {
+        self.room.as_ref().expect("a room until it is given back")
+    }
+}
+
+impl DerefMut for Loan<'_> {
+    fn deref_mut(&mut self) -> &mut Room {
+        self.room.as_mut().expect("a room until it is given back")
+    }
+}
+
+impl Drop for Loan<'_> {
+    fn drop(&mut self) {
+        if let (Some(room), Ok(mut home)) = (self.room.take(), self.home.lock()) {
+            home.push(room);
+        }
+    }
+}
+
+/// Surface points, what is there, and what light makes of it.
+#[inline(always)]
+fn look_and_light<S: Simd>(simd: S, domain: &Domain, shot: &Shot, look: usize, needs: Needs, batch: &mut Batch) {
+    let Batch { surfels, surfaces, scratch, light } = batch;
+    visibility::fill(simd, domain, needs, [128, 128], surfels);
+    let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
+    lookup::evaluate(simd, (shot.looks, look), points, scratch, surfaces);
+    let shading = if shot.unlit { Shading::Unlit } else { shot.looks.looks[look].shading };
+    picture::shade(simd, shading, shot.lighting, surfels, surfaces, light);
+}
+
+/// Which look a triangle has; remembers the last part, for triangles come in runs.
+struct PartCursor<'a> {
+    mesh: &'a Mesh,
+    looks: &'a Looks,
+    range: std::ops::Range<u32>,
+    look: usize,
+}
+
+impl<'a> PartCursor<'a> {
+    fn new(mesh: &'a Mesh, looks: &'a Looks) -> Self {
+        Self { mesh, looks, range: 0..0, look: 0 }
+    }
+
+    /// The look of all parts, if they have but one.
+    fn only_look(&self) -> Option<usize> {
+        let first = *self.looks.look_of_part.first()?;
+        self.looks.look_of_part.iter().all(|l| *l == first).then_some(first as usize)
+    }
+
+    #[inline(always)]
+    fn look(&mut self, triangle: u32) -> usize {
+        if !self.range.contains(&triangle) {
+            let parts = self.mesh.parts();
+            let part = parts.partition_point(|p| p.triangles.end <= triangle);
+            self.range = parts[part].triangles.clone();
+            self.look = self.looks.look_of_part[part] as usize;
+        }
+        self.look
+    }
+}
+
+/// In which of up to eight cells of a row (bits, from `column`) a triangle is there.
+fn alpha_test(
+    (domain, shot, workers): (&Domain, &Shot, &Workers),
+    room: &mut Option<Box<Batch>>,
+    triangle: u32,
+    [column, row]: [u32; 2],
+    bits: u32,
+    place: [i32; 2],
+) -> u32 {
+    let look = PartCursor::new(domain.mesh, shot.looks).look(triangle);
+    let cutoff = match shot.looks.looks[look].alpha_mode {
+        AlphaMode::Mask(cutoff) => cutoff,
+        // What an alpha test among the layers refuses has no alpha left.
+        _ => f32::MIN_POSITIVE,
+    };
+    let Batch { surfels, surfaces, scratch, .. } = &mut **room.get_or_insert_default();
+    surfels.uv.resize(domain.mesh.uv_sets().len(), TexCoords::ZERO);
+    surfels.n = 0;
+    for lane in (0..8).filter(|l| bits >> l & 1 == 1) {
+        surfels.cell[0][surfels.n] = column + lane;
+        surfels.cell[1][surfels.n] = row;
+        surfels.triangle[surfels.n] = triangle;
+        surfels.n += 1;
+    }
+    let needs = shot.looks.looks[look].needs();
+    let alpha = &mut surfaces.alpha;
+    dispatch!(workers.level(), simd => {
+        visibility::fill(simd, domain, needs, place, surfels);
+        let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
+        lookup::alpha_of(simd, (shot.looks, look), points, scratch, alpha);
+    });
+    let lanes = (0..8).filter(|l| bits >> l & 1 == 1);
+    lanes.enumerate().filter(|(i, _)| alpha[*i] >= cutoff).fold(0, |kept, (_, lane)| kept | 1 << lane)
+}
