@@ -488,7 +488,7 @@ fn finish(mesh: &mut RawMesh, element: &ElementHeader, targets: &[Target]) {
 
 /// A display value of 0..`scale` to linear light.
 pub(super) fn linear(x: f32, scale: f32) -> f32 {
-    if scale == 255.0 && x >= 0.0 && x <= 255.0 && x.trunc() == x {
+    if scale == 255.0 && (0.0..=255.0).contains(&x) && x.trunc() == x {
         LINEAR_FROM_SRGB8[x as usize]
     } else if x.is_finite() {
         color::linear_from_srgb((x / scale) as f64) as f32
