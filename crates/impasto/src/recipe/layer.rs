@@ -17,6 +17,8 @@ pub struct LayerRecipe {
     pub table: Option<String>,
     /// Six faces of a cube (+X, -X, +Y, -Y, +Z, -Z) or `sample:NAME`; a volume's slices, front to back.
     pub images: Option<Vec<String>>,
+    /// Of samples: texels along an edge.
+    pub texels: Option<u32>,
     /// Of `images`: `cube` or `volume`.
     pub shape: Option<String>,
 

@@ -71,7 +71,7 @@ pub fn prepare(recipe: &Recipe, base: &Path) -> Result<Report<Prepared>> {
     let view = view::view(&recipe.camera, &scene, size)?;
     let environment = match &recipe.picture.environment {
         None => None,
-        Some(name) => Some(source::image(name, base, on_seed(recipe), &mut mended)?),
+        Some(name) => Some(source::image(name, base, (None, on_seed(recipe)), &mut mended)?),
     };
     let viewpoint = view.domain(&scene, size).view;
     let lighting = view::lighting(recipe, &scene, &viewpoint, environment.as_ref())?;
@@ -118,7 +118,7 @@ fn looks(recipe: &Recipe, on: &stack::Ground, mended: &mut Vec<Mended>) -> Resul
     };
     surface(&recipe.surface, &mut looks)?;
     if let Some(name) = &recipe.input.texture {
-        let image = source::image(name, on.base, on.seed, mended)?;
+        let image = source::image(name, on.base, (None, on.seed), mended)?;
         dress(&mut looks, &image, on)?;
     }
     if recipe.layers.is_empty() {

@@ -43,10 +43,21 @@ const RESOLUTION: u32 = 128;
 /// Beyond this a sample would not fit the memory of a usual machine.
 const MOST_RESOLVED: u32 = 4096;
 
+/// How a sample texture is made: texels along an edge (none: its default), and its seed.
+pub(super) type Making = (Option<u32>, u32);
+
+fn checked(texels: Option<u32>, absent: u32) -> Result<u32> {
+    match texels {
+        None => Ok(absent),
+        Some(n) if (1..=8192).contains(&n) => Ok(n),
+        Some(n) => Err(impossible("texels", n, "1 to 8192")),
+    }
+}
+
 /// An image a recipe names; samples are `size` texels wide.
-pub(super) fn image(given: &str, base: &Path, seed: u32, mended: &mut Vec<Mended>) -> Result<TextureImage> {
+pub(super) fn image(given: &str, base: &Path, (texels, seed): Making, mended: &mut Vec<Mended>) -> Result<TextureImage> {
     if let Some(name) = given.strip_prefix(SAMPLE) {
-        return sample_image(name, TEXTURE_SIZE, seed);
+        return sample_image(name, checked(texels, TEXTURE_SIZE)?, seed);
     }
     let report = files::load_image(&place(base, given))?;
     mended.extend(report.mended);
@@ -54,13 +65,13 @@ pub(super) fn image(given: &str, base: &Path, seed: u32, mended: &mut Vec<Mended
 }
 
 /// A list of images; `sample:NAME` may stand for all of them.
-pub(super) fn images(given: &[String], base: &Path, seed: u32, mended: &mut Vec<Mended>) -> Result<Vec<TextureImage>> {
+pub(super) fn images(given: &[String], base: &Path, (texels, seed): Making, mended: &mut Vec<Mended>) -> Result<Vec<TextureImage>> {
     if let [one] = given
         && let Some(name) = one.strip_prefix(SAMPLE)
     {
-        return sample_images(name, STACK_SIZE, seed);
+        return sample_images(name, checked(texels, STACK_SIZE)?, seed);
     }
-    given.iter().map(|g| image(g, base, seed, mended)).collect()
+    given.iter().map(|g| image(g, base, (texels, seed), mended)).collect()
 }
 
 /// Sample textures of one image.

@@ -350,11 +350,11 @@ fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended: &mut Vec<M
     if let Some(names) = &recipe.images {
         let shape = recipe.shape.as_deref().unwrap_or("cube");
         let is_cube = choose("shape", shape, &[("cube", true), ("volume", false)])?;
-        let images = source::images(names, on.base, seed, mended)?;
+        let images = source::images(names, on.base, (recipe.texels, seed), mended)?;
         let made = if is_cube { ImageTexture::cube(&images, &how) } else { ImageTexture::volume(&images, &how) };
         return Ok(Texture::Image(made?));
     }
-    let image = source::image(recipe.image.as_deref().unwrap_or_default(), on.base, seed, mended)?;
+    let image = source::image(recipe.image.as_deref().unwrap_or_default(), on.base, (recipe.texels, seed), mended)?;
     Ok(Texture::Image(ImageTexture::new(&image, &how)))
 }
 
