@@ -57,7 +57,8 @@ pub(super) fn halved<T: Copy>(grid: &Grid<T>, halves_depth: bool, means: Means<T
 
 fn covered_mean<T: Copy>(grid: &Grid<T>, at: [usize; 3], halves_depth: bool, means: Means<T>) -> T {
     let [w, h, d] = grid.size;
-    let along = [covered(at[0], w), covered(at[1], h), if halves_depth { covered(at[2], d) } else { (at[2], vec![1.0]) }];
+    let along =
+        [covered(at[0], w), covered(at[1], h), if halves_depth { covered(at[2], d) } else { (at[2], vec![1.0]) }];
     let (mut taps, mut weights) = (Vec::with_capacity(27), Vec::with_capacity(27));
     for (k, wz) in along[2].1.iter().enumerate() {
         for (j, wy) in along[1].1.iter().enumerate() {
@@ -83,12 +84,16 @@ fn covered(i: usize, n: usize) -> (usize, Vec<f32>) {
 }
 
 pub(super) const UNORM8: Means<[u8; 4]> = Means {
-    of_four: |t| std::array::from_fn(|c| ((t[0][c] as u32 + t[1][c] as u32 + t[2][c] as u32 + t[3][c] as u32 + 2) >> 2) as u8),
+    of_four: |t| {
+        std::array::from_fn(|c| ((t[0][c] as u32 + t[1][c] as u32 + t[2][c] as u32 + t[3][c] as u32 + 2) >> 2) as u8)
+    },
     weighted: |t, w| weighted_floats(t, w, |x| x.map(f32::from)).map(|x| (x + 0.5) as u8),
 };
 
 pub(super) const UNORM16: Means<[u16; 4]> = Means {
-    of_four: |t| std::array::from_fn(|c| ((t[0][c] as u32 + t[1][c] as u32 + t[2][c] as u32 + t[3][c] as u32 + 2) >> 2) as u16),
+    of_four: |t| {
+        std::array::from_fn(|c| ((t[0][c] as u32 + t[1][c] as u32 + t[2][c] as u32 + t[3][c] as u32 + 2) >> 2) as u16)
+    },
     weighted: |t, w| weighted_floats(t, w, |x| x.map(f32::from)).map(|x| (x + 0.5) as u16),
 };
 
@@ -106,8 +111,7 @@ pub(super) const SRGB8: Means<[u8; 4]> =
 pub(super) const SRGB8_ALPHA: Means<[u8; 4]> =
     Means { of_four: |t| srgb8_mean(&t, &[0.25; 4], true), weighted: |t, w| srgb8_mean(t, w, true) };
 
-pub(super) const NORMAL: Means<[u16; 4]> =
-    Means { of_four: |t| normal_mean(&t, &[0.25; 4]), weighted: normal_mean };
+pub(super) const NORMAL: Means<[u16; 4]> = Means { of_four: |t| normal_mean(&t, &[0.25; 4]), weighted: normal_mean };
 
 pub(super) const LABEL8: Means<[u8; 4]> =
     Means { of_four: |t| mode(&t, &[0.25; 4], |a, b| a == b), weighted: |t, w| mode(t, w, |a, b| a == b) };

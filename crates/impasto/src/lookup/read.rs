@@ -81,7 +81,9 @@ impl ImageTexture {
             Store::Srgb8(texels) => self.read_floats(simd, (texels, |t| srgb8(table, t)), (at, feet), n, out),
             Store::Unorm8(texels) => self.read_floats(simd, (texels, unorm8), (at, feet), n, out),
             Store::Unorm16(texels) => self.read_floats(simd, (texels, unorm16), (at, feet), n, out),
-            Store::Half(texels) => self.read_floats(simd, (texels, |t: [u16; 4]| t.map(float_from_half)), (at, feet), n, out),
+            Store::Half(texels) => {
+                self.read_floats(simd, (texels, |t: [u16; 4]| t.map(float_from_half)), (at, feet), n, out)
+            }
             Store::Float(texels) => self.read_floats(simd, (texels, |t| t), (at, feet), n, out),
         }
     }
@@ -282,7 +284,8 @@ impl<T: Copy, F: Fn(T) -> [f32; 4]> Texels<'_, T, F> {
         let n = level.size;
         match filter {
             Filter::Nearest => {
-                let at = nearest(str[2], n[2]) * level.slice + nearest(str[1], n[1]) * level.row + nearest(str[0], n[0]);
+                let at =
+                    nearest(str[2], n[2]) * level.slice + nearest(str[1], n[1]) * level.row + nearest(str[0], n[0]);
                 (self.value)(self.texels[level.offset + at])
             }
             Filter::Linear => {

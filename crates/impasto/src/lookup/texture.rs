@@ -331,8 +331,7 @@ fn slopes(stack: Stack, wrap: [Wrap; 3]) -> Grid<[f32; 4]> {
 
 /// sRGB-coded 16 bits to linear 16 bits; alpha stays.
 fn decoded16(grid: Grid<[u16; 4]>) -> Grid<[u16; 4]> {
-    let table: Vec<u16> =
-        (0..65536).map(|i| (linear_from_srgb(i as f64 / 65535.0) * 65535.0 + 0.5) as u16).collect();
+    let table: Vec<u16> = (0..65536).map(|i| (linear_from_srgb(i as f64 / 65535.0) * 65535.0 + 0.5) as u16).collect();
     grid.map(|t| [table[t[0] as usize], table[t[1] as usize], table[t[2] as usize], t[3]])
 }
 
@@ -342,7 +341,13 @@ fn half_texel(texel: [f32; 4]) -> [u16; 4] {
 
 /// The nearest half float, ties to even; NaN becomes 0, magnitudes saturate at 65504.
 pub(super) fn half_from_float(x: f32) -> u16 {
-    let magnitude = if x.abs() < 65504.0 { x.abs() } else if x.is_nan() { 0.0 } else { 65504.0 };
+    let magnitude = if x.abs() < 65504.0 {
+        x.abs()
+    } else if x.is_nan() {
+        0.0
+    } else {
+        65504.0
+    };
     let sign = (x.is_sign_negative() && !x.is_nan()) as u16;
     // 2^-14 is the least normal half; below it the spacing stays 2^-24.
     let bits = if magnitude < 6.103_515_6e-5 {

@@ -206,5 +206,6 @@ fn around<S: Simd>(simd: S, reflection: &Reflection, facets: &Facets<S>) -> V3<S
     let toward = dominant(simd, facets.normal, facets.reflected, facets.alpha);
     match reflection {
         Reflection::Surroundings(around) => mirrored(simd, around, toward, facets.alpha),
+        Reflection::Environment(environment) => environment.mirrored(simd, toward, facets.roughness),
     }
 }

@@ -5,6 +5,7 @@
 pub mod ambient;
 pub mod background;
 pub mod develop;
+pub mod environment;
 mod lanes;
 pub mod light;
 mod metal_rough;
@@ -14,6 +15,7 @@ pub mod surroundings;
 pub use ambient::Ambient;
 pub use background::Background;
 pub use develop::{Curve, Develop};
+pub use environment::Environment;
 pub use light::{Light, LightKind, Lighting};
 pub use shade::{needs, shade};
 pub use surroundings::{Panel, Reflection, Surroundings};

@@ -152,7 +152,11 @@ fn directional_light_from_everywhere_is_never_more_than_white() {
             };
             let metal = share(1.0);
             assert!(metal <= 1.01 && metal > least, "metal {roughness} {n_dot_v}: {metal}");
-            assert!(share(0.0) <= 1.03, "dielectric {roughness} {n_dot_v}: {}", share(0.0));
+            // Appendix B weighs the matte part by the half vector's Fresnel term alone, which at grazing views leaves
+            // a white dielectric up to a fifth too bright. Files are made against that formula, so it stays.
+            let most = if n_dot_v < 0.5 { 1.22 } else { 1.05 };
+            let dielectric = share(0.0);
+            assert!(dielectric <= most && dielectric > 0.85, "dielectric {roughness} {n_dot_v}: {dielectric}");
         }
     }
 }

@@ -127,7 +127,8 @@ mod tests {
 
     #[test]
     fn a_straight_line_stays_straight_and_radii_do_not_overshoot() {
-        let curve = Curve::through(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0], [3.0, 0.0, 0.0, 0.2], [4.0, 0.0, 0.0, 0.2]]);
+        let curve =
+            Curve::through(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0], [3.0, 0.0, 0.0, 0.2], [4.0, 0.0, 0.0, 0.2]]);
         assert!((curve.length() - 4.0).abs() < 1e-9);
         for i in 0..=100 {
             let l = 0.04 * i as f64;

@@ -80,7 +80,8 @@ fn paint_atlas(pieces: &[Piece], atlas: &Atlas, size: u32, seed: u32) -> Texture
     for (piece, corner) in pieces.iter().zip(&atlas.corners) {
         let extent = piece.chart_size() * atlas.scale;
         let (low, high) = (*corner - DVec2::splat(GUTTER / 2.0), *corner + extent + DVec2::splat(GUTTER / 2.0));
-        let range = |a: f64, b: f64| (a * size as f64).floor().max(0.0) as u32..((b * size as f64).ceil() as u32).min(size);
+        let range =
+            |a: f64, b: f64| (a * size as f64).floor().max(0.0) as u32..((b * size as f64).ceil() as u32).min(size);
         for y in range(low.y, high.y) {
             for x in range(low.x, high.x) {
                 let uv = DVec2::new((x as f64 + 0.5) * texel, (y as f64 + 0.5) * texel);
@@ -101,7 +102,8 @@ fn materials() -> Vec<Material> {
         sampler: Sampler { wrap: [Wrap::ClampToEdge; 3], ..Sampler::default() },
         transform: UvTransform::IDENTITY,
     };
-    let looks = [("skin", 0.42, 0.0), ("iris", 0.25, 1.0), ("pupil", 0.08, 1.0), ("bark", 0.85, 0.0), ("leaf", 0.5, 0.0)];
+    let looks =
+        [("skin", 0.42, 0.0), ("iris", 0.25, 1.0), ("pupil", 0.08, 1.0), ("bark", 0.85, 0.0), ("leaf", 0.5, 0.0)];
     looks
         .map(|(name, roughness, coat)| Material {
             name: name.into(),

@@ -55,7 +55,11 @@ fn body(at: &Skin) -> Rgb {
     let belly_edge = 1.95 + 0.14 * wander + 0.35 * smooth(3.2, 5.0, s) - 0.12 * smooth(1.2, 0.0, s);
     c = mix(c, scales(along(&BELLY, s), at), smooth(belly_edge - 0.22, belly_edge + 0.30, around));
     // A darker ridge along the back.
-    c = mix(c, shade(along(&BACK, s), 0.78), 0.55 * (1.0 - smooth(0.0, 0.42 + 0.1 * wander, around)) * smooth(0.5, 1.2, s));
+    c = mix(
+        c,
+        shade(along(&BACK, s), 0.78),
+        0.55 * (1.0 - smooth(0.0, 0.42 + 0.1 * wander, around)) * smooth(0.5, 1.2, s),
+    );
     c = saddles(c, at, wander);
     c = dots(c, at);
     face(c, at)
@@ -71,8 +75,7 @@ const BACK: [(f64, u32); 7] = [
     (6.5, 0x1a80a8),
     (9.0, 0x3a6fb0),
 ];
-const BELLY: [(f64, u32); 5] =
-    [(0.0, 0xf3f2b4), (1.5, 0xeef3bd), (3.0, 0xd2efc6), (4.5, 0x8fdcca), (8.0, 0x6fc3d8)];
+const BELLY: [(f64, u32); 5] = [(0.0, 0xf3f2b4), (1.5, 0xeef3bd), (3.0, 0xd2efc6), (4.5, 0x8fdcca), (8.0, 0x6fc3d8)];
 
 /// Warm bands that hang from the back like saddles and close to rings on the tail.
 fn saddles(c: Rgb, at: &Skin, wander: f64) -> Rgb {

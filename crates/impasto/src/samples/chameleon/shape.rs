@@ -120,7 +120,15 @@ fn body(edge: f64) -> Tube {
         // The last part of the spiral closes up gently.
         let r = radius - pitch * turn * (1.0 - 0.06 * turn);
         let thick = 0.235 * (1.0 - turn / n_turns * 0.66);
-        rows.push([cx + r * cos(angle), cy + r * sin(angle), 0.0, thick, thick, thick * 0.95, 0.02 * (1.0 - turn / n_turns)]);
+        rows.push([
+            cx + r * cos(angle),
+            cy + r * sin(angle),
+            0.0,
+            thick,
+            thick,
+            thick * 0.95,
+            0.02 * (1.0 - turn / n_turns),
+        ]);
     }
     let spine = Curve::through(&rows);
     let is_fine = edge < 0.07;
