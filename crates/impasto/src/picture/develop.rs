@@ -7,7 +7,9 @@
 
 use crate::color::{Encoding, LinearRgb, LinearRgba, Srgb8Encoder};
 use crate::math::exact;
-use crate::picture::lanes::{V, V3, at_least, at_most, clamp01, exp2, larger, log2, mix, splat, splat3, width};
+use crate::picture::lanes::{
+    V, V3, at_least, at_most, clamp01, exp2, larger, log2, mix, per_channel, splat, splat3, width,
+};
 use fearless_simd::{Simd, prelude::*};
 
 /// How linear light becomes the numbers of a picture file.
@@ -68,18 +70,24 @@ impl Develop {
             #[inline(always)]
             || {
                 let encoder = Srgb8Encoder::new();
-                self.each_group(simd, cells, under, |at, n, color, alpha| {
-                    let out = &mut out[at..at + n];
-                    match (self.dither, self.encoding) {
-                        (false, Encoding::Srgb) => store_srgb8::<S>(&encoder, color, alpha, out),
-                        (false, Encoding::Linear) => store_linear8(simd, color, alpha, [0.5; WIDEST], out),
-                        (true, encoding) => {
-                            let color = if encoding == Encoding::Srgb { srgb(simd, color) } else { color };
-                            let pattern = std::array::from_fn(|i| threshold(at as u32 + i as u32, y));
-                            store_linear8(simd, color, alpha, pattern, out);
+                self.each_group(
+                    simd,
+                    cells,
+                    under,
+                    #[inline(always)]
+                    |at, n, color, alpha| {
+                        let out = &mut out[at..at + n];
+                        match (self.dither, self.encoding) {
+                            (false, Encoding::Srgb) => store_srgb8::<S>(&encoder, color, alpha, out),
+                            (false, Encoding::Linear) => store_linear8(simd, color, alpha, [0.5; WIDEST], out),
+                            (true, encoding) => {
+                                let color = if encoding == Encoding::Srgb { srgb(simd, color) } else { color };
+                                let pattern = std::array::from_fn(|i| threshold(at as u32 + i as u32, y));
+                                store_linear8(simd, color, alpha, pattern, out);
+                            }
                         }
-                    }
-                });
+                    },
+                );
             },
         );
     }
@@ -90,14 +98,20 @@ impl Develop {
         simd.vectorize(
             #[inline(always)]
             || {
-                self.each_group(simd, cells, under, |at, n, color, alpha| {
-                    let color = if self.encoding == Encoding::Srgb { srgb(simd, color) } else { color };
-                    let [r, g, b, a]: [S::u32s; 4] =
-                        [color[0], color[1], color[2], alpha].map(|v| (v * 65535.0 + 0.5).to_int());
-                    for (i, out) in out[at..at + n].iter_mut().enumerate() {
-                        *out = [r[i] as u16, g[i] as u16, b[i] as u16, a[i] as u16];
-                    }
-                });
+                self.each_group(
+                    simd,
+                    cells,
+                    under,
+                    #[inline(always)]
+                    |at, n, color, alpha| {
+                        let color = if self.encoding == Encoding::Srgb { srgb(simd, color) } else { color };
+                        let [r, g, b]: [S::u32s; 3] = per_channel!(c => (color[c] * 65535.0 + 0.5).to_int());
+                        let a: S::u32s = (alpha * 65535.0 + 0.5).to_int();
+                        for (i, out) in out[at..at + n].iter_mut().enumerate() {
+                            *out = [r[i] as u16, g[i] as u16, b[i] as u16, a[i] as u16];
+                        }
+                    },
+                );
             },
         );
     }
@@ -127,18 +141,18 @@ impl Develop {
     ) {
         let gain = self.gain();
         for (group, chunk) in cells.chunks(width::<S>()).enumerate() {
-            let [r, g, b, a] = load_cells(simd, chunk);
-            let alpha = clamp01(simd, a);
+            let (premultiplied, alpha) = load_cells(simd, chunk);
+            let alpha = clamp01(simd, alpha);
             // Straight colour; where nothing is, alpha's floor only avoids a division by zero.
             let inverse = splat(simd, 1.0) / at_least(simd, alpha, 1e-6);
             let full = alpha.simd_ge(splat(simd, 1.0));
-            let straight = [r, g, b].map(|c| full.select(c, c * inverse));
+            let straight = per_channel!(c => full.select(premultiplied[c], premultiplied[c] * inverse));
             let color = self.bent(simd, straight, gain);
             let (color, alpha) = match under {
                 None => (color, alpha),
                 Some(under) => {
                     let under = splat3(simd, under);
-                    let over: V3<S> = std::array::from_fn(|c| {
+                    let over: V3<S> = per_channel!(c => {
                         let mixed = mix::<S>(under[c], color[c], alpha);
                         clamp01(simd, full.select(color[c], mixed))
                     });
@@ -152,9 +166,9 @@ impl Develop {
     /// Exposure and curve for a register of straight colours; within [0, 1], NaN is 0.
     #[inline(always)]
     fn bent<S: Simd>(&self, simd: S, color: V3<S>, gain: f32) -> V3<S> {
-        let color = color.map(|c| at_most(simd, at_least(simd, c * gain, 0.0), 1e6));
+        let color: V3<S> = per_channel!(c => at_most(simd, at_least(simd, color[c] * gain, 0.0), 1e6));
         match self.curve {
-            Curve::Plain => color.map(|c| at_most(simd, c, 1.0)),
+            Curve::Plain => per_channel!(c => at_most(simd, color[c], 1.0)),
             Curve::Filmic => {
                 let peak = larger::<S>(color[0], larger::<S>(color[1], color[2]));
                 let over = peak.simd_gt(splat(simd, KNEE));
@@ -162,7 +176,10 @@ impl Develop {
                 let ratio = new_peak / at_least(simd, peak, KNEE);
                 let bent_away = peak - new_peak;
                 let fade = splat(simd, 1.0) - splat(simd, 1.0) / (bent_away * FADE + 1.0);
-                color.map(|c| at_most(simd, over.select(mix::<S>(c * ratio, new_peak, fade), c), 1.0))
+                per_channel!(c => {
+                    let bent = mix::<S>(color[c] * ratio, new_peak, fade);
+                    at_most(simd, over.select(bent, color[c]), 1.0)
+                })
             }
         }
     }
@@ -179,20 +196,23 @@ fn shoulder<S: Simd>(simd: S, peak: V<S>) -> V<S> {
 
 /// Four channels of up to a register of cells; missing cells are zero.
 #[inline(always)]
-fn load_cells<S: Simd>(simd: S, cells: &[LinearRgba]) -> [V<S>; 4] {
+fn load_cells<S: Simd>(simd: S, cells: &[LinearRgba]) -> (V3<S>, V<S>) {
     let mut lanes = [[0.0; WIDEST]; 4];
-    for (i, cell) in cells[..cells.len().min(WIDEST)].iter().enumerate() {
-        for c in 0..4 {
-            lanes[c][i] = cell[c];
-        }
+    for (i, [r, g, b, a]) in cells.iter().enumerate().take(WIDEST) {
+        lanes[0][i] = *r;
+        lanes[1][i] = *g;
+        lanes[2][i] = *b;
+        lanes[3][i] = *a;
     }
-    lanes.map(|lane| V::<S>::from_slice(simd, &lane[..width::<S>()]))
+    let color = per_channel!(c => V::<S>::from_slice(simd, &lanes[c][..width::<S>()]));
+    (color, V::<S>::from_slice(simd, &lanes[3][..width::<S>()]))
 }
 
 /// The sRGB curve for numbers within [0, 1], to about 1e-6.
 #[inline(always)]
 fn srgb<S: Simd>(simd: S, color: V3<S>) -> V3<S> {
-    color.map(|x| {
+    per_channel!(c => {
+        let x = color[c];
         let power = exp2(simd, log2(simd, x) * (1.0 / 2.4)) * 1.055 - 0.055;
         clamp01(simd, x.simd_gt(splat(simd, 0.0031308)).select(power, x * 12.92))
     })
@@ -202,8 +222,15 @@ fn srgb<S: Simd>(simd: S, color: V3<S>) -> V3<S> {
 #[inline(always)]
 fn store_srgb8<S: Simd>(encoder: &Srgb8Encoder, color: V3<S>, alpha: V<S>, out: &mut [[u8; 4]]) {
     let a: S::u32s = (alpha * 255.0 + 0.5).to_int();
-    for (i, out) in out.iter_mut().enumerate() {
-        *out = [encoder.encode(color[0][i]), encoder.encode(color[1][i]), encoder.encode(color[2][i]), a[i] as u8];
+    // Onto the stack once, instead of once for each cell.
+    let mut lanes = [[0.0; WIDEST]; 3];
+    let mut alphas = [0; WIDEST];
+    color[0].store_slice(&mut lanes[0][..width::<S>()]);
+    color[1].store_slice(&mut lanes[1][..width::<S>()]);
+    color[2].store_slice(&mut lanes[2][..width::<S>()]);
+    a.store_slice(&mut alphas[..width::<S>()]);
+    for (i, out) in out.iter_mut().enumerate().take(WIDEST) {
+        *out = [encoder.encode(lanes[0][i]), encoder.encode(lanes[1][i]), encoder.encode(lanes[2][i]), alphas[i] as u8];
     }
 }
 
@@ -211,7 +238,7 @@ fn store_srgb8<S: Simd>(encoder: &Srgb8Encoder, color: V3<S>, alpha: V<S>, out: 
 #[inline(always)]
 fn store_linear8<S: Simd>(simd: S, color: V3<S>, alpha: V<S>, pattern: [f32; WIDEST], out: &mut [[u8; 4]]) {
     let pattern = V::<S>::from_slice(simd, &pattern[..width::<S>()]);
-    let [r, g, b]: [S::u32s; 3] = color.map(|c| at_most(simd, c * 255.0 + pattern, 255.0).to_int());
+    let [r, g, b]: [S::u32s; 3] = per_channel!(c => at_most(simd, color[c] * 255.0 + pattern, 255.0).to_int());
     let a: S::u32s = (alpha * 255.0 + 0.5).to_int();
     for (i, out) in out.iter_mut().enumerate() {
         *out = [r[i] as u8, g[i] as u8, b[i] as u8, a[i] as u8];

@@ -10,7 +10,7 @@ use crate::color::{Encoding, LINEAR_FROM_SRGB8, LinearRgb, linear_from_srgb};
 use crate::math::{Frame, Size, Vec3, exact, vec3};
 use crate::par::Workers;
 use crate::picture::Ambient;
-use crate::picture::lanes::{V, V3, at_least, clamp01, larger, splat, width};
+use crate::picture::lanes::{V, V3, at_least, clamp01, larger, per_channel, splat, width};
 use fearless_simd::{Simd, prelude::*};
 
 /// A panorama prepared for look-ups.
@@ -32,7 +32,7 @@ struct Unfolded {
 }
 
 /// Texels in a row for each level: as many as its lobe can tell apart.
-const SIZES: [usize; 8] = [512, 128, 128, 64, 32, 32, 16, 16];
+const SIZES: [usize; 8] = [512, 128, 64, 64, 32, 32, 16, 16];
 
 /// Directions a texel of a blurred level is averaged from.
 const N_SAMPLES: usize = 64;
@@ -87,18 +87,20 @@ impl Environment {
         let (au, av) = (ax * inverse, az * inverse);
         let below = y.simd_lt(splat(simd, 0.0));
         let one = splat(simd, 1.0);
-        let signed = |t: V<S>, s: V<S>| s.simd_lt(splat(simd, 0.0)).select(-t, t);
-        let u = below.select(signed(one - av, u), u) * 0.5 + 0.5;
-        let v = below.select(signed(one - au, v), v) * 0.5 + 0.5;
+        let u_sign = splat(simd, 1.0).copysign(u);
+        let v_sign = splat(simd, 1.0).copysign(v);
+        let u = below.select((one - av) * u_sign, u) * 0.5 + 0.5;
+        let v = below.select((one - au) * v_sign, v) * 0.5 + 0.5;
         let level = clamp01(simd, roughness) * (self.levels.len() - 1) as f32;
+        // Texels are fetched cell by cell: hardware gathers are slower where they exist.
         let mut color = [[0.0; 16]; 3];
         for i in 0..width::<S>() {
-            let seen = self.mixed(u[i], v[i], level[i]);
-            for c in 0..3 {
-                color[c][i] = seen[c];
-            }
+            let [r, g, b] = self.mixed(u[i], v[i], level[i]);
+            color[0][i] = r;
+            color[1][i] = g;
+            color[2][i] = b;
         }
-        color.map(|lane| V::<S>::from_slice(simd, &lane[..width::<S>()]))
+        per_channel!(c => V::<S>::from_slice(simd, &color[c][..width::<S>()]))
     }
 
     /// Between two levels.
@@ -108,7 +110,7 @@ impl Environment {
         let low = (level as usize).min(last);
         let t = level - low as f32;
         let (a, b) = (self.levels[low].at(u, v), self.levels[(low + 1).min(last)].at(u, v));
-        std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t)
+        per_channel!(c => a[c] + (b[c] - a[c]) * t)
     }
 }
 
@@ -161,7 +163,7 @@ impl Unfolded {
         let (fx, fy) = (x - i as f32, y - j as f32);
         let texel = |k: usize| self.texels[j * row + i + k];
         let (a, b, c, d) = (texel(0), texel(1), texel(row), texel(row + 1));
-        std::array::from_fn(|k| {
+        per_channel!(k => {
             let (top, bottom) = (a[k] + (b[k] - a[k]) * fx, c[k] + (d[k] - c[k]) * fx);
             top + (bottom - top) * fy
         })
@@ -203,8 +205,8 @@ fn ambient_of(coarse: &Unfolded) -> Ambient {
     let texel = |i: usize| {
         let (x, y) = (i % n, i / n);
         let [u, v] = [x, y].map(|t| (t as f32 + 0.5) / n as f32);
-        // On the octahedron's faces |x| + |y| + |z| = 1: area sqrt(3) / 2 of the square's, seen at a slant of
-        // (1 / sqrt(3)) / |p| from a distance |p|. Together 4 / n^2 / |p|^3 / ... normalised below.
+        // The square's area is spread evenly over the octahedron's faces, all equally far from the middle; so a
+        // texel's solid angle goes with one over the cube of its distance there, which is 1 / (|x| + |y| + |z|).
         let d = fold(u, v);
         let inverse = (d.x.abs() + d.y.abs() + d.z.abs()) as f64;
         let [r, g, b, _] = coarse.texels[(y + 1) * (n + 2) + x + 1];

@@ -81,8 +81,10 @@ impl Light {
     }
 
     /// Colour times intensity.
+    #[inline(always)]
     pub fn strength(&self) -> LinearRgb {
-        self.color.map(|c| c * self.intensity)
+        let [r, g, b] = self.color;
+        [r * self.intensity, g * self.intensity, b * self.intensity]
     }
 }
 

@@ -7,7 +7,7 @@
 use crate::color::LinearRgb;
 use crate::math::{Vec3, unit_or};
 use crate::picture::Environment;
-use crate::picture::lanes::{V, V3, at_least, clamp01, dot, larger, mix, smaller, smooth, splat, splat3};
+use crate::picture::lanes::{V, V3, at_least, clamp01, dot, larger, mix, per_channel, smaller, smooth, splat, splat3};
 use fearless_simd::{Simd, prelude::*};
 use std::sync::Arc;
 
@@ -110,14 +110,14 @@ pub(super) fn mirrored<S: Simd>(simd: S, around: &Surroundings, toward: V3<S>, a
     let sky = clamp01(simd, height * (splat(simd, 0.5) / (blur + around.horizon_width)) + 0.5);
     let sky = smooth::<S>(sky);
     let h = larger::<S>(height, -height);
-    let mut color: V3<S> = std::array::from_fn(|c| {
+    let mut color: V3<S> = per_channel!(c => {
         let above = mix::<S>(splat(simd, around.horizon[c]), splat(simd, around.zenith[c]), h);
         let below = mix::<S>(splat(simd, around.floor[c]), splat(simd, around.nadir[c]), h);
         mix::<S>(below, above, sky)
     });
 
     for panel in &around.panels {
-        let [x, y, z] = panel.frame.map(|axis| dot::<S>(toward, splat3(simd, axis.to_array())));
+        let [x, y, z]: V3<S> = per_channel!(c => dot::<S>(toward, splat3(simd, panel.frame[c].to_array())));
         // Stereographic: smooth all over the sphere but right behind, where a panel's share is too small to be missed.
         let flat = splat(simd, 2.0) / (at_least(simd, z, -0.9) + 1.0);
         let [a, b] = panel.half_size;
@@ -133,8 +133,12 @@ pub(super) fn mirrored<S: Simd>(simd: S, around: &Surroundings, toward: V3<S>, a
 /// How much of a slab of half width `a` a lobe sees that is centred at `x`.
 #[inline(always)]
 fn slab<S: Simd>(simd: S, x: V<S>, a: f32, inverse_blur: V<S>) -> V<S> {
-    let seen = |edge: V<S>| edge / (edge * edge + splat(simd, 1.0)).sqrt();
-    (seen((x + a) * inverse_blur) - seen((x - a) * inverse_blur)) * 0.5
+    (sigmoid(simd, (x + a) * inverse_blur) - sigmoid(simd, (x - a) * inverse_blur)) * 0.5
+}
+
+#[inline(always)]
+fn sigmoid<S: Simd>(simd: S, x: V<S>) -> V<S> {
+    x / (x * x + splat(simd, 1.0)).sqrt()
 }
 
 /// Which way a rough surface mostly mirrors: between reflection and normal (Lagarde, de Rousiers, "Moving Frostbite to
@@ -143,5 +147,5 @@ fn slab<S: Simd>(simd: S, x: V<S>, a: f32, inverse_blur: V<S>) -> V<S> {
 pub(super) fn dominant<S: Simd>(simd: S, normal: V3<S>, reflected: V3<S>, alpha: V<S>) -> V3<S> {
     let smoothness = splat(simd, 1.0) - smaller::<S>(alpha, splat(simd, 1.0));
     let t = smoothness * (smoothness.sqrt() + alpha);
-    std::array::from_fn(|c| mix::<S>(normal[c], reflected[c], t))
+    per_channel!(c => mix::<S>(normal[c], reflected[c], t))
 }
