@@ -78,7 +78,7 @@ impl Develop {
                     |at, n, color, alpha| {
                         let out = &mut out[at..at + n];
                         match (self.dither, self.encoding) {
-                            (false, Encoding::Srgb) => store_srgb8::<S>(&encoder, color, alpha, out),
+                            (false, Encoding::Srgb) => store_srgb8(simd, &encoder, color, alpha, out),
                             (false, Encoding::Linear) => store_linear8(simd, color, alpha, [0.5; WIDEST], out),
                             (true, encoding) => {
                                 let color = if encoding == Encoding::Srgb { srgb(simd, color) } else { color };
@@ -194,18 +194,30 @@ fn shoulder<S: Simd>(simd: S, peak: V<S>) -> V<S> {
     (t * (t * (1.0 / (T * T)) + 1.0)) / (t + 1.0) * SPAN + KNEE
 }
 
-/// Four channels of up to a register of cells; missing cells are zero.
+/// Colour and alpha of up to a register of cells; missing cells are zero.
 #[inline(always)]
 fn load_cells<S: Simd>(simd: S, cells: &[LinearRgba]) -> (V3<S>, V<S>) {
+    let n = width::<S>();
+    if cells.len() == n {
+        let flat = cells.as_flattened();
+        // r b r b ... and g a g a ..., twice; then each of them apart.
+        let (rb_low, ga_low) =
+            V::<S>::from_slice(simd, &flat[..n]).deinterleave(V::<S>::from_slice(simd, &flat[n..][..n]));
+        let (rb_high, ga_high) =
+            V::<S>::from_slice(simd, &flat[2 * n..][..n]).deinterleave(V::<S>::from_slice(simd, &flat[3 * n..][..n]));
+        let (r, b) = rb_low.deinterleave(rb_high);
+        let (g, a) = ga_low.deinterleave(ga_high);
+        return ([r, g, b], a);
+    }
     let mut lanes = [[0.0; WIDEST]; 4];
-    for (i, [r, g, b, a]) in cells.iter().enumerate().take(WIDEST) {
+    for (i, [r, g, b, a]) in cells.iter().enumerate() {
         lanes[0][i] = *r;
         lanes[1][i] = *g;
         lanes[2][i] = *b;
         lanes[3][i] = *a;
     }
-    let color = per_channel!(c => V::<S>::from_slice(simd, &lanes[c][..width::<S>()]));
-    (color, V::<S>::from_slice(simd, &lanes[3][..width::<S>()]))
+    let color = per_channel!(c => V::<S>::from_slice(simd, &lanes[c][..n]));
+    (color, V::<S>::from_slice(simd, &lanes[3][..n]))
 }
 
 /// The sRGB curve for numbers within [0, 1], to about 1e-6.
@@ -220,17 +232,22 @@ fn srgb<S: Simd>(simd: S, color: V3<S>) -> V3<S> {
 
 /// Pixels from colours within [0, 1]; each byte exactly rounded.
 #[inline(always)]
-fn store_srgb8<S: Simd>(encoder: &Srgb8Encoder, color: V3<S>, alpha: V<S>, out: &mut [[u8; 4]]) {
+fn store_srgb8<S: Simd>(simd: S, encoder: &Srgb8Encoder, color: V3<S>, alpha: V<S>, out: &mut [[u8; 4]]) {
+    let [r, g, b]: [S::u32s; 3] = per_channel!(c => {
+        let bits: S::u32s = at_least(simd, color[c], Srgb8Encoder::LOW).bitcast();
+        let mut entries = [0; WIDEST];
+        bits.store_slice(&mut entries[..width::<S>()]);
+        for entry in &mut entries[..width::<S>()] {
+            *entry = encoder.entry(*entry);
+        }
+        let entries = S::u32s::from_slice(simd, &entries[..width::<S>()]);
+        (entries + (bits & Srgb8Encoder::LOWER_HALF)) >> 16
+    });
     let a: S::u32s = (alpha * 255.0 + 0.5).to_int();
-    // Onto the stack once, instead of once for each cell.
-    let mut lanes = [[0.0; WIDEST]; 3];
-    let mut alphas = [0; WIDEST];
-    color[0].store_slice(&mut lanes[0][..width::<S>()]);
-    color[1].store_slice(&mut lanes[1][..width::<S>()]);
-    color[2].store_slice(&mut lanes[2][..width::<S>()]);
-    a.store_slice(&mut alphas[..width::<S>()]);
-    for (i, out) in out.iter_mut().enumerate().take(WIDEST) {
-        *out = [encoder.encode(lanes[0][i]), encoder.encode(lanes[1][i]), encoder.encode(lanes[2][i]), alphas[i] as u8];
+    let mut words = [0u32; WIDEST];
+    (r | (g << 8) | (b << 16) | (a << 24)).store_slice(&mut words[..width::<S>()]);
+    for (out, word) in out.iter_mut().zip(words) {
+        *out = word.to_le_bytes();
     }
 }
 
