@@ -4,7 +4,7 @@ use crate::assets::image_write::{self, Numbers};
 use crate::color::{Encoding, LinearRgba};
 use crate::math::Size;
 use crate::par::Workers;
-use crate::picture::develop_row;
+use crate::picture::{Ground, develop_row};
 use crate::picture::render::{Renderer, Shortfall, Shot};
 use crate::recipe::Prepared;
 use crate::visibility::{Domain, Samples};
@@ -71,8 +71,17 @@ impl Prepared {
         renderer.sort(&domain, &shot, workers);
         let n_done = AtomicUsize::new(0);
         let n_cells = self.size.n_cells();
+        let ground = self.ground.then(|| Ground::under(&self.scene.mesh, workers));
+        let floor = ground.as_ref().and_then(|g| g.lens(&domain).map(|lens| (g, lens)));
         renderer.shade(&domain, &shot, workers, picture, |place, cells, row| {
-            finish(place, cells, row);
+            match &floor {
+                None => finish(place, cells, row),
+                Some((ground, lens)) => {
+                    let mut cells = cells.to_vec();
+                    ground.darken(lens, place, &mut cells);
+                    finish(place, &cells, row);
+                }
+            }
             let done = n_done.fetch_add(cells.len(), Ordering::Relaxed) + cells.len();
             // One call for some thousand cells: often enough for the eye.
             if done / PROGRESS_STEP != (done - cells.len()) / PROGRESS_STEP || done == n_cells {

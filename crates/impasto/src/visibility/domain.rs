@@ -57,7 +57,15 @@ impl<'a> Domain<'a> {
         }
     }
 
-    /// The same in f64, for clipping.
+    /// World space to homogeneous cells, through a camera; none over an atlas.
+    pub(crate) fn cells_from_world(&self) -> Option<Mat4> {
+        match self.map {
+            Map::Camera { cells_from_world } => Some(cells_from_world),
+            Map::Atlas { .. } => None,
+        }
+    }
+
+    /// [`corner`](Self::corner) in f64, for clipping.
     pub(crate) fn corner_f64(&self, vertex: u32) -> DVec4 {
         match &self.map {
             Map::Camera { cells_from_world } => {
