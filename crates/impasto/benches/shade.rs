@@ -32,10 +32,7 @@ fn batch() -> (Box<Surfels>, Box<Surfaces>) {
 fn shading(c: &mut Criterion) {
     let (surfels, surfaces) = batch();
     let viewpoint = Viewpoint { eye_from_world: Mat4::IDENTITY, eye: Vec3::Z, parallel: Some(Vec3::Z) };
-    let one = Lighting {
-        lights: vec![Light::directional(vec3(-0.4, 0.6, 0.7), 0.85)],
-        ..Lighting::flat(0.15)
-    };
+    let one = Lighting { lights: vec![Light::directional(vec3(-0.4, 0.6, 0.7), 0.85)], ..Lighting::flat(0.15) };
     let studio = Lighting::studio(&viewpoint);
     let blinn = Shading::BlinnPhong { specular: 0.35 / 0.85, exponent: 48.0 };
     let mut group = c.benchmark_group("shade");

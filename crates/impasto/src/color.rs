@@ -39,21 +39,22 @@ static SRGB8_THRESHOLDS: LazyLock<[f32; 256]> = LazyLock::new(|| {
 
 /// For every bucket of floats that share their upper half: the byte of its lower end in the upper half, and 2^16 minus
 /// the lower half from which the next byte begins. Adding a float's lower half carries exactly when it reaches that.
-static SRGB8_BUCKETS: LazyLock<Vec<u32>> = LazyLock::new(|| {
-    (FIRST_BUCKET..=LAST_BUCKET)
-        .map(|b| {
-            let low = f32::from_bits(b << BUCKET_SHIFT);
-            let byte = SRGB8_THRESHOLDS.partition_point(|t| *t <= low) as u32 - 1;
-            let next = SRGB8_THRESHOLDS.get(byte as usize + 1).map_or(0, |t| t.to_bits());
-            let carry = if next >> BUCKET_SHIFT == b { (1 << BUCKET_SHIFT) - (next & LOWER_HALF) } else { 0 };
-            (byte << BUCKET_SHIFT) + carry
-        })
-        .collect()
+static SRGB8_BUCKETS: LazyLock<[u32; N_BUCKETS]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let b = (i as u32 + FIRST_BUCKET).min(LAST_BUCKET);
+        let low = f32::from_bits(b << BUCKET_SHIFT);
+        let byte = SRGB8_THRESHOLDS.partition_point(|t| *t <= low) as u32 - 1;
+        let next = SRGB8_THRESHOLDS.get(byte as usize + 1).map_or(0, |t| t.to_bits());
+        let carry = if next >> BUCKET_SHIFT == b { (1 << BUCKET_SHIFT) - (next & LOWER_HALF) } else { 0 };
+        (byte << BUCKET_SHIFT) + carry
+    })
 });
 const BUCKET_SHIFT: u32 = 16;
 const LOWER_HALF: u32 = (1 << BUCKET_SHIFT) - 1;
 const FIRST_BUCKET: u32 = 0x3900_0000 >> BUCKET_SHIFT; // 2^-13, below half the first threshold
 const LAST_BUCKET: u32 = 0x3f80_0000 >> BUCKET_SHIFT; // 1.0
+/// A power of two, so that a mask keeps any index within.
+const N_BUCKETS: usize = 2048;
 
 /// Linear light to the nearest sRGB byte, exactly rounded; NaN and negatives give 0.
 ///
@@ -64,12 +65,21 @@ pub fn srgb8_from_linear(x: f32) -> u8 {
 }
 
 /// The table of [`srgb8_from_linear`], borrowed once for many values.
+///
+/// A vector kernel does the steps of [`encode`](Self::encode) itself: clamp to [[`LOW`](Self::LOW), 1], look the bits up,
+/// add their lower half, and keep what carries into the upper half.
 #[derive(Clone, Copy)]
 pub struct Srgb8Encoder {
-    buckets: &'static [u32],
+    buckets: &'static [u32; N_BUCKETS],
 }
 
 impl Srgb8Encoder {
+    /// Below this all is 0; the table begins here.
+    pub const LOW: f32 = 1.0 / 8192.0;
+
+    /// Bits of a float that do not choose its entry.
+    pub const LOWER_HALF: u32 = LOWER_HALF;
+
     /// Borrows the table, making it on first use.
     #[expect(clippy::new_without_default, reason = "not a value with a neutral state, a borrow")]
     pub fn new() -> Self {
@@ -79,12 +89,16 @@ impl Srgb8Encoder {
     /// The nearest sRGB byte.
     #[inline(always)]
     pub fn encode(&self, x: f32) -> u8 {
-        const LOW: f32 = 1.0 / 8192.0;
-        let x = if x > LOW { x } else { LOW };
+        let x = if x > Self::LOW { x } else { Self::LOW };
         let x = if x < 1.0 { x } else { 1.0 };
         let bits = x.to_bits();
-        let bucket = self.buckets[((bits >> BUCKET_SHIFT) - FIRST_BUCKET) as usize];
-        ((bucket + (bits & LOWER_HALF)) >> BUCKET_SHIFT) as u8
+        ((self.entry(bits) + (bits & LOWER_HALF)) >> BUCKET_SHIFT) as u8
+    }
+
+    /// What to add a float's lower half to, for the bits of a float within [[`LOW`](Self::LOW), 1].
+    #[inline(always)]
+    pub fn entry(&self, bits: u32) -> u32 {
+        self.buckets[((bits >> BUCKET_SHIFT).wrapping_sub(FIRST_BUCKET)) as usize % N_BUCKETS]
     }
 }
 

@@ -167,7 +167,7 @@ fn winding_is_mended_whichever_triangles_were_turned() {
     for seed in 0..200 {
         let mut raw = cube();
         for t in 0..12 {
-            if hash_cell(t, 0, 0, seed) % 3 == 0 {
+            if hash_cell(t, 0, 0, seed).is_multiple_of(3) {
                 raw.triangles[t as usize].swap(0, 1);
             }
             raw.triangles[t as usize].rotate_left(hash_cell(t, 1, 0, seed) as usize % 3);

@@ -16,6 +16,7 @@ use crate::assets::{
 };
 use crate::color::{Encoding, linear_from_srgb};
 use crate::error::{Mended, note};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// What material libraries hold.
@@ -23,12 +24,13 @@ use std::path::Path;
 pub(super) struct Library {
     pub(super) materials: Vec<Material>,
     pub(super) images: Vec<TextureImage>,
-    /// Name as written, what was made of it, index into `images`; none where it could not be read.
-    loaded: Vec<(String, Use, Option<u32>)>,
+    /// By name as written and by what was made of it: index into `images`; none where it could not be read. Never
+    /// enumerated.
+    loaded: HashMap<(String, Use), Option<u32>>,
 }
 
 /// Which of an image's numbers are wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Use {
     /// All, as they are.
     Whole,
@@ -36,7 +38,7 @@ enum Use {
     Channel(Channel),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Channel {
     Red,
     Green,
@@ -272,7 +274,7 @@ impl Library {
 
     /// The index of an image, read once for each use.
     fn load(&mut self, name: &str, usage: Use, neighbours: &Neighbours, mended: &mut Vec<Mended>) -> Option<u32> {
-        if let Some((.., image)) = self.loaded.iter().find(|(n, u, _)| n == name && *u == usage) {
+        if let Some(image) = self.loaded.get(&(name.to_string(), usage)) {
             return *image;
         }
         let image = match neighbours(name) {
@@ -298,7 +300,7 @@ impl Library {
             self.images.push(image);
             self.images.len() as u32 - 1
         });
-        self.loaded.push((name.into(), usage, image));
+        self.loaded.insert((name.into(), usage), image);
         image
     }
 

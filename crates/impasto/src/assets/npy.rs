@@ -118,6 +118,9 @@ fn half(bits: u16) -> f64 {
     }
 }
 
+/// Archives can claim anything: no array may take more memory.
+const MAX_UNPACKED: u64 = 256 << 20;
+
 /// The grid of an archive, with what its other arrays say about the size of cells (`dx`, `dy`, `xmin`, `ymin` ...).
 pub(super) fn read_npz(bytes: &[u8], path: &Path, key: Option<&str>) -> Result<HeightMap> {
     let mut archive =
@@ -131,9 +134,13 @@ pub(super) fn read_npz(bytes: &[u8], path: &Path, key: Option<&str>) -> Result<H
         names.push(name.to_string());
         let is_wanted = key.is_none_or(|k| k == name);
         // A number alone is short; what is long is only unpacked if it may be the grid.
-        let most = if is_wanted && grid.is_none() { MAX_READ * 8 } else { 256 };
+        let most = if is_wanted && grid.is_none() { MAX_UNPACKED } else { 256 };
         let unpacked = entry.take(most).read_to_end(&mut data);
         unpacked.map_err(|e| format_error(path, format!("array {name:?}: {e}")))?;
+        if data.len() as u64 == MAX_UNPACKED {
+            let fault = format!("array {name:?} unpacks to more than {} MiB", MAX_UNPACKED >> 20);
+            return Err(format_error(path, fault));
+        }
         match read(&data, path) {
             Ok(array) if is_wanted && array.shape.len() == 2 && grid.is_none() => grid = Some(array),
             Ok(array) if array.values.len() == 1 => numbers.push((name.to_string(), array.values[0])),

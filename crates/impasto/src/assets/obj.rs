@@ -14,6 +14,7 @@ use crate::assets::text::{self, Lines, Words, format_error, number_prefix, parse
 use crate::assets::{Neighbours, Part, RawMesh, Scene, UvSet};
 use crate::error::{Mended, Report, Result, note};
 use crate::math::{Vec2, Vec3, Vec4, vec2, vec3};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// Reads an OBJ file and the material libraries it names.
@@ -35,6 +36,9 @@ pub(super) fn read_loose(bytes: &[u8], path: &Path, neighbours: &Neighbours) -> 
     Ok(reader.finish(path, neighbours))
 }
 
+/// Material libraries that are read for one file, at most.
+const MAX_LIBRARIES: usize = 64;
+
 /// No texture coordinate, or no normal.
 const NONE: u32 = u32::MAX;
 
@@ -52,6 +56,8 @@ struct Reader {
     parts: Vec<Part>,
     /// The names that `usemtl` gave, by `Part::material`.
     material_names: Vec<String>,
+    /// Where in `material_names` a name is. Never enumerated.
+    material_by_name: HashMap<String, u32>,
     libraries: Vec<String>,
     name: String,
     material: Option<u32>,
@@ -96,14 +102,20 @@ impl Reader {
             b"o" | b"g" => self.name = string(trimmed(words.0)),
             b"usemtl" => {
                 let name = string(trimmed(words.0));
-                let known = self.material_names.iter().rposition(|n| *n == name);
-                let i = known.unwrap_or_else(|| {
+                let new = self.material_names.len() as u32;
+                let i = *self.material_by_name.entry(name.clone()).or_insert(new);
+                if i == new {
                     self.material_names.push(name);
-                    self.material_names.len() - 1
-                });
-                self.material = Some(i as u32);
+                }
+                self.material = Some(i);
             }
-            b"mtllib" => self.libraries.push(string(trimmed(words.0))),
+            // Some exporters name the library again for each object.
+            b"mtllib" => {
+                let name = string(trimmed(words.0));
+                if self.libraries.len() < MAX_LIBRARIES && !self.libraries.contains(&name) {
+                    self.libraries.push(name);
+                }
+            }
             b"s" => {
                 self.group = words.next().and_then(text::integer).and_then(|g| u32::try_from(g).ok()).unwrap_or(0);
                 self.has_groups = true;
@@ -258,11 +270,10 @@ impl Reader {
                 Err(why) => note(mended, 1, format!("material library {names:?} not read: {why}")),
             }
         }
-        let material_of: Vec<Option<u32>> = self
-            .material_names
-            .iter()
-            .map(|name| library.materials.iter().rposition(|m| m.name == *name).map(|i| i as u32))
-            .collect();
+        let by_name: HashMap<&str, u32> =
+            library.materials.iter().enumerate().map(|(i, m)| (m.name.as_str(), i as u32)).collect();
+        let material_of: Vec<Option<u32>> =
+            self.material_names.iter().map(|name| by_name.get(name.as_str()).copied()).collect();
         let n_unknown = material_of.iter().filter(|m| m.is_none()).count();
         note(mended, n_unknown, "materials in use that no library holds; they get the default");
         (library.materials, library.images, material_of)

@@ -60,12 +60,12 @@ pub(super) fn read_loose(bytes: &[u8], path: &Path, neighbours: &Neighbours) -> 
     if let Some(uv) = faces.corner_uv {
         split::split_by_corner_uv(&mut mesh, &uv);
     }
+    merge_components(&mut mesh.fields);
     for field in &mut mesh.fields {
         if let Some((_, unit)) = header.units.iter().find(|(name, _)| *name == field.name) {
             field.unit = unit.clone();
         }
     }
-    merge_components(&mut mesh.fields);
     let (materials, images) = files::texture_named_in_comment(&header.textures, neighbours, &mut mended);
     if !materials.is_empty() {
         let triangles = 0..mesh.triangles.len() as u32;
@@ -89,12 +89,11 @@ impl<'a> Body<'a> {
 
     /// The number of rows that the bytes left may hold, at most the number claimed.
     fn n_rows(&self, element: &ElementHeader) -> usize {
-        let least = match self.encoding {
+        let most = match self.encoding {
             // A digit and a blank a property; the last blank may be missing.
-            Encoding::Ascii => (element.properties.len() * 2).max(1),
-            _ => element.least_size().max(1),
+            Encoding::Ascii => (self.rest().len() + 1) / (element.properties.len() * 2).max(1),
+            _ => self.rest().len() / element.least_size().max(1),
         };
-        let most = (self.rest().len() + 1) / least;
         if element.properties.is_empty() { 0 } else { element.n.min(most as u64) as usize }
     }
 
@@ -199,6 +198,8 @@ fn line_number(bytes: &[u8], at: usize) -> usize {
 enum Target {
     /// Component of one of the mesh's own attributes.
     Own(Own, usize),
+    /// Component of a colour in f64: made linear at once, so that nothing is lost.
+    Light(usize),
     /// Index of a field.
     Field(usize),
     /// A list where none is expected.
@@ -318,7 +319,7 @@ fn targets(element: &ElementHeader, n: usize, mesh: &mut RawMesh) -> Vec<Target>
             // Positions that lack a coordinate lie in the plane where it is zero.
             Some((o, c)) if (o == Own::Position || named(o)) && !taken.contains(&(o, c)) => {
                 taken.push((o, c));
-                Target::Own(o, c)
+                if o == Own::Color && c < 3 && p.kind == Kind::F64 { Target::Light(c) } else { Target::Own(o, c) }
             }
             _ => {
                 mesh.fields.push(field(p, Element::Vertex, n));
@@ -376,6 +377,7 @@ fn put(mesh: &mut RawMesh, target: &Target, row: usize, x: f64) {
             let (numbers, n) = numbers(mesh, own);
             numbers[row * n + component] = x as f32;
         }
+        Target::Light(component) => mesh.colors[row][component] = color::linear_from_srgb(x) as f32,
         Target::Field(i) => match &mut mesh.fields[i].values {
             Values::F32(v) => v[row] = x as f32,
             Values::F64(v) => v[row] = x,
@@ -409,6 +411,10 @@ impl Column<'_> {
                 let out = numbers.iter_mut().skip(component).step_by(n);
                 // In f64, so that v of a double property loses nothing before it is flipped.
                 if is_v { self.copy(out, |x| (1.0 - x) as f32) } else { self.copy(out, |x| x as f32) }
+            }
+            Target::Light(component) => {
+                let out = mesh.colors.iter_mut().map(|c| &mut c[component]);
+                self.copy(out, |x| color::linear_from_srgb(x) as f32);
             }
             Target::Field(i) => match &mut mesh.fields[i].values {
                 Values::F32(v) => self.copy(v.iter_mut(), |x| x as f32),
@@ -448,11 +454,17 @@ impl Column<'_> {
 
 /// Colours to linear light; a mesh without alpha is opaque.
 fn finish(mesh: &mut RawMesh, element: &ElementHeader, targets: &[Target]) {
-    let kind = |component| {
-        let with = element.properties.iter().zip(targets);
-        with.filter(|(_, t)| matches!(t, Target::Own(Own::Color, c) if *c == component)).map(|(p, _)| p.kind).next()
+    let of = |component: usize| {
+        let is_it = |t: &Target| {
+            matches!(t, Target::Own(Own::Color, c) if *c == component)
+                || matches!(t, Target::Light(c) if *c == component)
+        };
+        element.properties.iter().zip(targets).find(|(_, t)| is_it(t))
     };
-    let Some(red) = kind(0) else { return };
+    let kind = |component| of(component).map(|(p, _)| p.kind);
+    let Some((red_property, red_target)) = of(0) else { return };
+    let red = red_property.kind;
+    let is_light = matches!(red_target, Target::Light(_));
     let alpha = kind(3);
     let whole = |kind: Option<Kind>, colors: &[Vec4], of: fn(&Vec4) -> f32| match kind {
         Some(Kind::U8 | Kind::I8) => 255.0,
@@ -464,14 +476,19 @@ fn finish(mesh: &mut RawMesh, element: &ElementHeader, targets: &[Target]) {
     let scale = whole(Some(red), &mesh.colors, |c| c.truncate().max_element());
     let alpha_scale = whole(alpha, &mesh.colors, |c| c.w);
     for c in &mut mesh.colors {
-        let light = |x: f32| linear(x, scale);
+        let light = |x: f32| match (is_light, scale == 1.0) {
+            (true, true) => x,
+            // It was bytes in doubles after all.
+            (true, false) => linear(color::srgb_from_linear(x as f64) as f32, scale),
+            (false, _) => linear(x, scale),
+        };
         *c = vec4(light(c.x), light(c.y), light(c.z), if alpha.is_some() { c.w / alpha_scale } else { 1.0 });
     }
 }
 
 /// A display value of 0..`scale` to linear light.
 pub(super) fn linear(x: f32, scale: f32) -> f32 {
-    if scale == 255.0 && x >= 0.0 && x <= 255.0 && x.trunc() == x {
+    if scale == 255.0 && (0.0..=255.0).contains(&x) && x.trunc() == x {
         LINEAR_FROM_SRGB8[x as usize]
     } else if x.is_finite() {
         color::linear_from_srgb((x / scale) as f64) as f32

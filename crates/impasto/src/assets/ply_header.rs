@@ -4,6 +4,9 @@ use crate::assets::text::{Lines, Words, format_error, integer, parse_error, stri
 use crate::error::Result;
 use std::path::Path;
 
+/// No scan has as many; a file that has is broken.
+const MAX_PROPERTIES: usize = 1000;
+
 /// What stands before the numbers.
 #[derive(Debug)]
 pub(super) struct Header {
@@ -157,6 +160,12 @@ impl Header {
                     let Some(element) = header.elements.last_mut() else {
                         return Err(bad("an element before its properties"));
                     };
+                    if element.properties.len() >= MAX_PROPERTIES {
+                        return Err(format_error(
+                            path,
+                            format!("an element with more than {MAX_PROPERTIES} properties"),
+                        ));
+                    }
                     let property = property(words).ok_or_else(|| bad("a property's type and name"))?;
                     element.properties.push(property);
                 }
@@ -175,8 +184,10 @@ impl Header {
 
     fn comment(&mut self, mut words: Words) {
         match words.next() {
-            Some(b"TextureFile") => self.textures.push(string(trimmed(words.0))),
-            Some(b"unit") => {
+            Some(b"TextureFile") if self.textures.len() < MAX_PROPERTIES => {
+                self.textures.push(string(trimmed(words.0)));
+            }
+            Some(b"unit") if self.units.len() < MAX_PROPERTIES => {
                 if let Some(name) = words.next() {
                     self.units.push((string(name), string(trimmed(words.0))));
                 }

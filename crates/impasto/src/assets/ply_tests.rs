@@ -86,7 +86,7 @@ fn odd_files_are_read_or_refused_in_one_line() {
     check(format!("{head}{faces}{square}3 0 1 -1"), "0 triangles; 1 triangles with vertices that do not exist");
     check(format!("{head}{faces}{square}2 0 1"), "1 faces with fewer than three corners dropped");
     check(format!("{head}{faces}{square}"), "1 faces that the header claims are not in the file");
-    check(format!("{head}{faces}0 0 0\n1 0 x\n1 1 0\n3 0 1 2"), "line 10: expected a number, found \"x\"");
+    check(format!("{head}{faces}0 0 0\n1 0 x\n1 1 0\n3 0 1 2"), "line 11: expected a number, found \"x\"");
     check(format!("{head}end_header\n{square}"), "3 points without any face");
     check(format!("{head}element vertex 3"), "the header does not end");
     check("ply\nelement vertex x".into(), "line 2: expected an element's name and number");

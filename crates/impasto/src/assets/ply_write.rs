@@ -7,8 +7,11 @@ use crate::math::{Vec2, Vec4};
 /// One property: its header's words, and how a row's bytes are made.
 struct Column<'a> {
     header: String,
-    put: Box<dyn Fn(usize, &mut Vec<u8>) + 'a>,
+    put: Put<'a>,
 }
+
+/// Appends a row's bytes.
+type Put<'a> = Box<dyn Fn(usize, &mut Vec<u8>) + 'a>;
 
 /// The bytes of a PLY file, little-endian.
 ///

@@ -1,6 +1,6 @@
 //! Polygons to triangles, concave ones included.
 //!
-//! Ear clipping by the crate `earcut`, in the plane that the polygon fits best (its normal after Newell: Sutherland,
+//! Ear clipping by the crate `earcut`, or where it leaves out corners on straight edges by our own, in the plane that the polygon fits best (its normal after Newell: Sutherland,
 //! Sproull, Schumacker, "A Characterization of Ten Hidden-Surface Algorithms", 1974).
 
 use crate::math::{DVec3, Vec3};
@@ -8,6 +8,12 @@ use earcut::Earcut;
 
 /// Polygons with more corners are cut like a fan: ear clipping may take quadratic time.
 const MAX_EARS: usize = 20_000;
+
+/// Polygons up to this many corners that have no ears, being warped, become a fan about their best corner.
+const MAX_FAN: usize = 8;
+
+/// The same for our own ear clipping, which may take cubic time.
+const MAX_OWN_EARS: usize = 200;
 
 /// Cuts polygons; keeps its scratch memory between calls.
 #[derive(Default)]
@@ -74,13 +80,58 @@ impl Triangulator {
         let earcut = self.earcut.get_or_insert_with(Earcut::new);
         earcut.earcut(self.plane.iter().copied(), &[], &mut self.ears);
         for t in self.ears.chunks_exact_mut(3) {
-            let [a, b, c] = [t[0], t[1], t[2]].map(|i| self.plane[i as usize]);
-            if (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) < 0.0 {
+            if doubled_area(&self.plane, [t[0], t[1], t[2]]) < 0.0 {
                 t.swap(1, 2);
+            }
+        }
+        // A corner that is left out, as its edge is straight, would tear the polygon from its neighbour.
+        if self.ears.len() < 3 * (n - 2) && n <= MAX_OWN_EARS {
+            let own = clip_every_corner(&self.plane);
+            if own.len() == 3 * (n - 2) {
+                self.ears = own;
+            } else if n <= MAX_FAN {
+                self.ears = best_fan(&self.plane);
             }
         }
         !self.ears.is_empty()
     }
+}
+
+fn doubled_area(plane: &[[f64; 2]], triangle: [u32; 3]) -> f64 {
+    let [a, b, c] = triangle.map(|i| plane[i as usize]);
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// The fan whose least triangle is greatest.
+fn best_fan(plane: &[[f64; 2]]) -> Vec<u32> {
+    let n = plane.len() as u32;
+    let fan = |start: u32| (1..n - 1).map(move |i| [start, (start + i) % n, (start + i + 1) % n]);
+    let least = |start: u32| fan(start).map(|t| doubled_area(plane, t)).fold(f64::INFINITY, f64::min);
+    let best = (0..n).max_by(|a, b| least(*a).total_cmp(&least(*b))).unwrap_or(0);
+    fan(best).flatten().collect()
+}
+
+/// Ears of a counter-clockwise polygon, one a corner but two, none without area; fewer if that cannot be.
+fn clip_every_corner(plane: &[[f64; 2]]) -> Vec<u32> {
+    let turn = |a: u32, b: u32, c: u32| doubled_area(plane, [a, b, c]);
+    let mut rest: Vec<u32> = (0..plane.len() as u32).collect();
+    let mut ears = Vec::new();
+    while rest.len() > 3 {
+        let n = rest.len();
+        let ear = (0..n).find(|&i| {
+            let [a, b, c] = [rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]];
+            let is_outside = |p: u32| turn(a, b, p) < 0.0 || turn(b, c, p) < 0.0 || turn(c, a, p) < 0.0;
+            let others = || (0..n - 3).map(|k| rest[(i + 2 + k) % n]);
+            // What remains must not be a line.
+            let remains = n > 4 || turn(a, c, rest[(i + 2) % n]) > 0.0;
+            turn(a, b, c) > 0.0 && remains && others().all(is_outside)
+        });
+        let Some(i) = ear else { return Vec::new() };
+        ears.extend([rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]]);
+        rest.remove(i);
+    }
+    ears.extend(rest);
+    ears
 }
 
 #[cfg(test)]
@@ -116,6 +167,19 @@ mod tests {
         assert_eq!(cut(&l.map(|[x, y]| vec3(y, x, 0.0))), (vec3(0.0, 0.0, -5.0), 4));
         assert_eq!(cut(&l.map(|[x, y]| vec3(7.0, x, y))), (vec3(5.0, 0.0, 0.0), 4));
         assert_eq!(cut(&l.map(|[x, y]| vec3(x, 7.0, y))), (vec3(0.0, -5.0, 0.0), 4));
+    }
+
+    #[test]
+    fn corners_on_straight_edges_are_kept() {
+        let at = |c: &[[f32; 2]]| c.iter().map(|[x, y]| vec3(*x, *y, 0.0)).collect::<Vec<_>>();
+        let square = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+        for turn in 0..5 {
+            let mut turned = square;
+            turned.rotate_left(turn);
+            assert_eq!(cut(&at(&turned)), (vec3(0.0, 0.0, 4.0), 3), "{turn}");
+        }
+        let l = [[0.0, 0.0], [1.5, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 2.0], [1.0, 3.0], [0.0, 3.0]];
+        assert_eq!(cut(&at(&l)), (vec3(0.0, 0.0, 5.0), 6));
     }
 
     #[test]

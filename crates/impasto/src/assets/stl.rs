@@ -44,43 +44,49 @@ fn is_binary(bytes: &[u8]) -> bool {
     n.checked_mul(FACET).is_some_and(|size| size + HEAD == bytes.len()) || !is_text()
 }
 
-/// Gives equal positions one index.
-struct Welder {
-    positions: Vec<Vec3>,
-    seen: Seen,
-}
+/// Numbers smaller than this part of a file's largest are zeros that sines and cosines of CAD programs left behind.
+const NOISE: f32 = 1.0 / (1u64 << 40) as f32;
 
-impl Welder {
-    fn new(n_triangles: usize) -> Self {
-        // A closed surface has half as many points as triangles.
-        let n = n_triangles / 2 + 4;
-        Self { positions: Vec::with_capacity(n), seen: Seen::with_capacity(n) }
+/// Gives equal corners one index; three corners a triangle.
+fn weld(mesh: &mut RawMesh, mut corners: Vec<Vec3>, mended: &mut Vec<Mended>) {
+    let numbers: &mut [f32] = bytemuck::cast_slice_mut(&mut corners);
+    let largest = numbers.iter().map(|x| x.abs()).filter(|x| x.is_finite()).fold(0.0, f32::max);
+    let mut n_noise = 0;
+    for x in numbers.iter_mut() {
+        if x.abs() <= largest * NOISE {
+            n_noise += (*x != 0.0) as usize;
+            *x = 0.0;
+        }
     }
-
-    fn vertex(&mut self, p: Vec3) -> u32 {
-        // -0 becomes 0.
-        let p = p + Vec3::ZERO;
-        let (positions, new) = (&self.positions, self.positions.len() as u32);
+    note(mended, n_noise, "coordinates below 2^-40 of the largest set to zero");
+    // A closed surface has half as many points as triangles.
+    let n = corners.len() / 6 + 4;
+    let mut seen = Seen::with_capacity(n);
+    mesh.positions.reserve_exact(n);
+    mesh.triangles.reserve_exact(corners.len() / 3);
+    let positions = &mut mesh.positions;
+    let mut vertex = |p: Vec3| {
+        let new = positions.len() as u32;
         let at = |i: u32| positions[i as usize];
-        let found = self.seen.find_or_insert(hash_position(p), new, |i| at(i) == p, |i| hash_position(at(i)));
+        let found = seen.find_or_insert(hash_position(p), new, |i| at(i) == p, |i| hash_position(at(i)));
         found.unwrap_or_else(|| {
-            self.positions.push(p);
+            positions.push(p);
             new
         })
-    }
+    };
+    mesh.triangles.extend(corners.chunks_exact(3).map(|c| [vertex(c[0]), vertex(c[1]), vertex(c[2])]));
 }
 
 fn read_binary(bytes: &[u8], mended: &mut Vec<Mended>) -> RawMesh {
     let n_claimed = claimed(bytes).unwrap_or(0);
     let facets = &bytes[HEAD.min(bytes.len())..];
     let n = n_claimed.min(facets.len() / FACET);
-    let mut welder = Welder::new(n);
-    let mut triangles = Vec::with_capacity(n);
+    let mut corners = Vec::with_capacity(3 * n);
     let mut attributes = Vec::new();
     for (i, facet) in facets.chunks_exact(FACET).take(n).enumerate() {
         let float = |at: usize| f32::from_le_bytes([facet[at], facet[at + 1], facet[at + 2], facet[at + 3]]);
         let corner = |k: usize| vec3(float(k), float(k + 4), float(k + 8));
-        triangles.push([12, 24, 36].map(|k| welder.vertex(corner(k))));
+        corners.extend([12, 24, 36].map(corner));
         let attribute = u16::from_le_bytes([facet[48], facet[49]]);
         if attribute != 0 && attributes.is_empty() {
             attributes = vec![0.0; n];
@@ -90,7 +96,8 @@ fn read_binary(bytes: &[u8], mended: &mut Vec<Mended>) -> RawMesh {
         }
     }
     note(mended, n_claimed - n, "triangles that the header claims are not in the file");
-    let mut mesh = RawMesh { positions: welder.positions, triangles, ..Default::default() };
+    let mut mesh = RawMesh::default();
+    weld(&mut mesh, corners, mended);
     if !attributes.is_empty() {
         let values = Values::F32(attributes);
         let name = "attribute".to_string();
@@ -101,14 +108,14 @@ fn read_binary(bytes: &[u8], mended: &mut Vec<Mended>) -> RawMesh {
 
 fn read_text(bytes: &[u8], path: &Path, mended: &mut Vec<Mended>) -> Result<RawMesh> {
     let text = text::utf8(bytes);
-    let mut welder = Welder::new(bytes.len() / 250);
-    let mut mesh = RawMesh::default();
+    let mut parts: Vec<Part> = Vec::new();
+    let mut welded = Vec::new();
     let (mut corners, mut cut) = (Vec::new(), Triangulator::default());
     let (mut n_odd, mut n_words) = (0, 0);
     let mut is_stl = false;
-    let mut facet_done = |corners: &mut Vec<Vec3>, welder: &mut Welder, mesh: &mut RawMesh| {
+    let mut facet_done = |corners: &mut Vec<Vec3>, welded: &mut Vec<Vec3>| {
         n_odd += (!corners.is_empty() && corners.len() != 3) as usize;
-        cut.cut(corners.len(), |i| corners[i], |t| mesh.triangles.push(t.map(|i| welder.vertex(corners[i as usize]))));
+        cut.cut(corners.len(), |i| corners[i], |t| welded.extend(t.map(|i| corners[i as usize])));
         corners.clear();
     };
     for (line_number, line) in Lines::new(&text) {
@@ -128,41 +135,41 @@ fn read_text(bytes: &[u8], path: &Path, mended: &mut Vec<Mended>) -> Result<RawM
                 }
                 b"solid" => {
                     is_stl = true;
-                    end_part(&mut mesh);
+                    end_part(&mut parts, welded.len());
                     let name = text::string(text::trimmed(words.0));
-                    let start = mesh.triangles.len() as u32;
-                    mesh.parts.push(Part { name, triangles: start..start, material: None });
+                    let start = (welded.len() / 3) as u32;
+                    parts.push(Part { name, triangles: start..start, material: None });
                     break;
                 }
                 b"facet" | b"endfacet" | b"endloop" => {
                     is_stl = true;
-                    facet_done(&mut corners, &mut welder, &mut mesh);
+                    facet_done(&mut corners, &mut welded);
                 }
                 b"endsolid" => break,
                 _ => {}
             }
         }
     }
-    facet_done(&mut corners, &mut welder, &mut mesh);
+    facet_done(&mut corners, &mut welded);
     if !is_stl {
         let fault = if n_words == 0 { "the file is empty" } else { "neither text nor binary STL" };
         return Err(format_error(path, fault));
     }
     note(mended, n_odd, "facets that do not have three corners cut into triangles or dropped");
-    end_part(&mut mesh);
-    if mesh.parts.first().is_some_and(|p| p.triangles.start > 0) {
-        mesh.parts.clear();
+    end_part(&mut parts, welded.len());
+    if parts.first().is_some_and(|p| p.triangles.start > 0) {
+        parts.clear();
     }
-    mesh.parts.retain(|p| !p.triangles.is_empty());
-    mesh.positions = welder.positions;
+    parts.retain(|p| !p.triangles.is_empty());
+    let mut mesh = RawMesh { parts, ..Default::default() };
+    weld(&mut mesh, welded, mended);
     Ok(mesh)
 }
 
 /// The last part ends where the triangles do.
-fn end_part(mesh: &mut RawMesh) {
-    let end = mesh.triangles.len() as u32;
-    if let Some(last) = mesh.parts.last_mut() {
-        last.triangles.end = end;
+fn end_part(parts: &mut [Part], n_corners: usize) {
+    if let Some(last) = parts.last_mut() {
+        last.triangles.end = (n_corners / 3) as u32;
     }
 }
 

@@ -23,7 +23,7 @@ pub struct Topology {
     pub n_non_manifold_edges: usize,
     /// Edges whose two triangles are wound against each other.
     pub n_inconsistent_edges: usize,
-    /// Pieces that hang together along edges.
+    /// Pieces that hang together, at a corner at least.
     pub n_pieces: usize,
 }
 
@@ -39,7 +39,7 @@ impl Topology {
         let edges = Edges::of(positions.len(), triangles, &weld);
         let mut pieces = Pieces::new(triangles.len());
         let mut topology = Self {
-            n_places: n_used_places(positions.len(), triangles, &weld),
+            n_places: 0,
             n_edges: 0,
             n_triangles: triangles.len(),
             n_border_edges: 0,
@@ -54,10 +54,17 @@ impl Topology {
                 [a, b] => topology.n_inconsistent_edges += (a.forward == b.forward) as usize,
                 _ => topology.n_non_manifold_edges += 1,
             }
-            sides.windows(2).for_each(|pair| {
-                pieces.join(pair[0].triangle(), pair[1].triangle(), false);
-            });
         });
+        let mut first_at = vec![u32::MAX; positions.len()];
+        for (t, corners) in triangles.iter().enumerate() {
+            for place in weld.corners(*corners) {
+                match &mut first_at[place as usize] {
+                    free @ &mut u32::MAX => *free = t as u32,
+                    first => _ = pieces.join(*first as usize, t, false),
+                }
+            }
+        }
+        topology.n_places = first_at.iter().filter(|f| **f != u32::MAX).count();
         topology.n_pieces = pieces.numbered().n;
         topology
     }
@@ -81,10 +88,4 @@ impl Topology {
     pub fn genus(&self) -> Option<i64> {
         self.is_closed().then(|| self.n_pieces as i64 - self.euler() / 2)
     }
-}
-
-fn n_used_places(n_vertices: usize, triangles: &[[u32; 3]], weld: &Weld) -> usize {
-    let mut used = vec![false; n_vertices];
-    triangles.iter().flatten().for_each(|&v| used[weld.at(v) as usize] = true);
-    used.iter().filter(|u| **u).count()
 }

@@ -11,8 +11,10 @@ use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, SimdMask,
 
 /// What the passes hand to each other: for each of two levels, for each point.
 pub(super) struct Packed {
-    level: [[i32; BATCH]; 2],
-    place: [[[i32; BATCH]; 2]; 2],
+    /// Index of the upper left texel.
+    at: [[u32; BATCH]; 2],
+    /// From a texel to the one below.
+    row: [[u32; BATCH]; 2],
     weight: [[[u32; BATCH]; 2]; 2],
     /// Share of the second level, 0 to 255 of 256.
     mix: [u32; BATCH],
@@ -22,13 +24,16 @@ pub(super) struct Packed {
 
 impl Packed {
     pub(super) const ZERO: Self = Self {
-        level: [[0; BATCH]; 2],
-        place: [[[0; BATCH]; 2]; 2],
+        at: [[0; BATCH]; 2],
+        row: [[0; BATCH]; 2],
         weight: [[[0; BATCH]; 2]; 2],
         mix: [0; BATCH],
         pairs: [[[0; BATCH]; 2]; 2],
     };
 }
+
+/// Levels of the largest texture that is read this way: 2^16 texels along a side have 17; a power of two.
+const MAX_LEVELS: usize = 32;
 
 /// Whether a texture can be read this way: 8-bit linear, flat, all filters bilinear, one tap a level.
 pub(super) fn suits(texture: &ImageTexture) -> bool {
@@ -38,7 +43,9 @@ pub(super) fn suits(texture: &ImageTexture) -> bool {
     let is_flat = matches!(texture.shape, Shape::Line | Shape::Plane);
     // Places have 8 bits of fraction, and f32 holds 24 bits.
     let is_small = texture.levels[0].size.iter().all(|&n| n <= 1 << 16);
-    matches!(texture.store, Store::Unorm8(_)) && is_flat && is_linear && !texture.is_anisotropic() && is_small
+    // Texels are counted in 32 bits here.
+    let is_countable = matches!(&texture.store, Store::Unorm8(texels) if texels.len() < 1 << 31);
+    is_countable && is_flat && is_linear && !texture.is_anisotropic() && is_small
 }
 
 /// Reads `n` points at folded coordinates.
@@ -53,7 +60,7 @@ pub(super) fn read<S: Simd>(
     let blends = address(simd, texture, (folded, level), n, scratch);
     let n_levels = if blends { 2 } else { 1 };
     for l in 0..n_levels {
-        fetch(texture, texels, n, l, scratch);
+        fetch(texels, n, l, scratch);
     }
     match blends {
         true => filter::<S, true>(simd, n, scratch, out),
@@ -81,6 +88,11 @@ fn address<S: Simd>(
         #[inline(always)]
         |axis| texture.sampler.wrap[axis] == Wrap::Repeat,
     );
+    let mut levels = [[0; MAX_LEVELS]; 2];
+    for (i, level) in texture.levels.iter().enumerate().take(MAX_LEVELS) {
+        levels[0][i] = level.offset as i32;
+        levels[1][i] = level.row as i32;
+    }
     let mut any = u32x8::splat(simd, 0);
     for i in (0..n).step_by(8) {
         let level = f32x8::from_slice(simd, &level[i..i + 8]);
@@ -100,7 +112,8 @@ fn address<S: Simd>(
         let last: i32x8<S> = last.to_int();
         let coarse = (fine + 1).simd_lt(last).select(fine + 1, last);
         for (l, level) in [fine, coarse].into_iter().enumerate() {
-            level.store_slice(&mut out.level[l][i..i + 8]);
+            let [offset, row] = of_level(simd, &levels, level);
+            let mut places = [level; 2];
             // 2^-level as a float's bits.
             let bits: u32x8<S> = ((i32x8::splat(simd, 127) - level) << 23).bitcast();
             let shrink = f32x8::from_bits(bits);
@@ -121,24 +134,44 @@ fn address<S: Simd>(
                     let fixed = fixed.simd_lt(end).select(fixed, end);
                     (fixed >> 8, fixed & 255)
                 };
-                place.store_slice(&mut out.place[l][axis][i..i + 8]);
+                places[axis] = place;
                 let weight: u32x8<S> = weight.bitcast();
                 weight.store_slice(&mut out.weight[l][axis][i..i + 8]);
             }
+            let at: u32x8<S> = (offset + places[1] * row + places[0]).bitcast();
+            at.store_slice(&mut out.at[l][i..i + 8]);
+            let row: u32x8<S> = row.bitcast();
+            row.store_slice(&mut out.row[l][i..i + 8]);
         }
     }
     any.simd_gt(0).any_true()
 }
 
+/// Offset and row of eight points' levels; neighbours mostly share one.
 #[inline(always)]
-fn fetch(texture: &ImageTexture, texels: &[[u8; 4]], n: usize, l: usize, scratch: &mut Packed) {
-    let (levels, [xs, ys]) = (&scratch.level[l], &scratch.place[l]);
+fn of_level<S: Simd>(simd: S, levels: &[[i32; MAX_LEVELS]; 2], level: i32x8<S>) -> [i32x8<S>; 2] {
+    let first = level[0] as usize % MAX_LEVELS;
+    if level.simd_eq(i32x8::splat(simd, first as i32)).all_true() {
+        return [i32x8::splat(simd, levels[0][first]), i32x8::splat(simd, levels[1][first])];
+    }
+    let mut of = [[0; 8]; 2];
+    for lane in 0..8 {
+        let level = level[lane] as usize % MAX_LEVELS;
+        of[0][lane] = levels[0][level];
+        of[1][lane] = levels[1][level];
+    }
+    [i32x8::load_array(simd, of[0]), i32x8::load_array(simd, of[1])]
+}
+
+/// Little else than loads, so that many are under way at a time.
+#[inline(always)]
+fn fetch(texels: &[[u8; 4]], n: usize, l: usize, scratch: &mut Packed) {
+    let (at, rows) = (&scratch.at[l][..n], &scratch.row[l][..n]);
     let [upper, lower] = &mut scratch.pairs[l];
+    let (upper, lower) = (&mut upper[..n], &mut lower[..n]);
     for i in 0..n {
-        let level = &texture.levels[levels[i] as usize];
-        let at = level.offset + ys[i] as usize * level.row + xs[i] as usize;
-        upper[i] = pair(texels, at);
-        lower[i] = pair(texels, at + level.row);
+        upper[i] = pair(texels, at[i] as usize);
+        lower[i] = pair(texels, at[i] as usize + rows[i] as usize);
     }
 }
 

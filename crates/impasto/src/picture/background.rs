@@ -17,10 +17,16 @@ pub enum Background {
     },
     /// Nothing; the picture gets an alpha channel.
     Transparent,
+    /// The panorama that also lights the scene ([`Environment::at`](crate::picture::Environment::at) along each line
+    /// of sight): part of the scene, written into the cells with alpha 1 and bent by the curve like everything else.
+    Environment {
+        /// 0 sharp to 1 a wash of light.
+        blur: f32,
+    },
 }
 
 /// The backgrounds that have names.
-pub const NAMES: [&str; 5] = ["light", "studio", "white", "dark", "transparent"];
+pub const NAMES: [&str; 6] = ["light", "studio", "white", "dark", "transparent", "environment"];
 
 impl Background {
     /// Very light warm grey, sRGB 244, 243, 240.
@@ -46,15 +52,17 @@ impl Background {
             "white" => Some(Self::Plain([1.0; 3])),
             "dark" => Some(Self::dark()),
             "transparent" => Some(Self::Transparent),
+            "environment" => Some(Self::Environment { blur: 0.0 }),
             _ => None,
         }
     }
 
-    /// The linear colour of a row of the picture, counted from the top; none where the picture is transparent.
+    /// The linear colour of a row of the picture, counted from the top; none where the picture
+    /// is transparent or the cells hold the environment.
     pub fn row(&self, y: u32, size: Size) -> Option<LinearRgb> {
         match *self {
             Self::Plain(color) => Some(color),
-            Self::Transparent => None,
+            Self::Transparent | Self::Environment { .. } => None,
             Self::Gradient { top, bottom } => {
                 let t = (y as f32 + 0.5) / size.height.max(1) as f32;
                 // Mixing square roots is near enough to even steps for the eye, and exact at both ends.

@@ -43,6 +43,10 @@ pub const WHITE: f32 = 6.0;
 /// Cells in the widest register there is.
 const WIDEST: usize = 16;
 
+/// Cells whose channels are separated before they are developed: vectors loaded right after the stores of their parts
+/// would wait for them.
+const STRETCH: usize = 64;
+
 /// How fast bent colours fade to white.
 const FADE: f32 = 0.2;
 
@@ -62,75 +66,44 @@ impl Develop {
     /// `under` is the background's linear colour behind this row, laid under after the curve so that its bytes are the
     /// ones asked for; the pixels are then opaque. Without one alpha stays, straight, so that edges have no dark fringe.
     /// `y` is the row's number, for the dither pattern.
-    pub fn rgba8<S: Simd>(&self, simd: S, cells: &[LinearRgba], under: Option<LinearRgb>, y: u32, out: &mut [[u8; 4]]) {
-        assert_eq!(cells.len(), out.len(), "a row has as many pixels as cells");
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                // Where nothing is, one pixel serves a whole row, but for the dither pattern.
-                let mut nothing = [[0; 4]];
-                self.groups8(simd, &[[0.0; 4]], under, y, &mut nothing);
-                let mut at = 0;
-                while at < cells.len() {
-                    let empty = cells[at..].iter().take_while(|c| c[3] == 0.0).count();
-                    let filled = cells[at + empty..].iter().take_while(|c| c[3] != 0.0).count();
-                    let n = if self.dither { cells.len() - at } else { empty + filled };
-                    let skip = if self.dither { 0 } else { empty };
-                    out[at..at + skip].fill(nothing[0]);
-                    self.groups8(simd, &cells[at + skip..at + n], under, y, &mut out[at + skip..at + n]);
-                    at += n;
-                }
-            },
-        );
-    }
-
-    /// A stretch of a row, a register at a time.
     #[inline(always)]
-    fn groups8<S: Simd>(&self, simd: S, cells: &[LinearRgba], under: Option<LinearRgb>, y: u32, out: &mut [[u8; 4]]) {
+    pub fn rgba8<S: Simd>(&self, simd: S, cells: &[LinearRgba], under: Option<LinearRgb>, y: u32, out: &mut [[u8; 4]]) {
         let encoder = Srgb8Encoder::new();
         self.each_group(
             simd,
-            cells,
-            under,
+            (cells, under),
+            out,
             #[inline(always)]
-            |at, n, color, alpha| {
-                let out = &mut out[at..at + n];
-                match (self.dither, self.encoding) {
-                    (false, Encoding::Srgb) => store_srgb8::<S>(&encoder, color, alpha, out),
-                    (false, Encoding::Linear) => store_linear8(simd, color, alpha, [0.5; WIDEST], out),
-                    (true, encoding) => {
-                        let color = if encoding == Encoding::Srgb { srgb(simd, color) } else { color };
-                        let mut pattern = [0.0; WIDEST];
-                        (0..n).for_each(|i| pattern[i] = threshold((at + i) as u32, y));
-                        store_linear8(simd, color, alpha, pattern, out);
-                    }
+            |at, color, alpha, out| match (self.dither, self.encoding) {
+                (false, Encoding::Srgb) => store_srgb8::<S>(&encoder, color, alpha, out),
+                (false, Encoding::Linear) => store_linear8(simd, color, alpha, [0.5; WIDEST], out),
+                (true, encoding) => {
+                    let color = if encoding == Encoding::Srgb { srgb(simd, color) } else { color };
+                    let mut pattern = [0.0; WIDEST];
+                    (0..out.len()).for_each(|i| pattern[i] = threshold((at + i) as u32, y));
+                    store_linear8(simd, color, alpha, pattern, out);
                 }
             },
         );
     }
 
     /// The same to 16-bit pixels; sRGB values are within one step of the exact curve.
+    #[inline(always)]
     pub fn rgba16<S: Simd>(&self, simd: S, cells: &[LinearRgba], under: Option<LinearRgb>, out: &mut [[u16; 4]]) {
-        assert_eq!(cells.len(), out.len(), "a row has as many pixels as cells");
-        simd.vectorize(
+        self.each_group(
+            simd,
+            (cells, under),
+            out,
             #[inline(always)]
-            || {
-                self.each_group(
-                    simd,
-                    cells,
-                    under,
+            |_, color, alpha, out| {
+                let color = if self.encoding == Encoding::Srgb { srgb(simd, color) } else { color };
+                let [r, g, b, a]: [S::u32s; 4] = [color[0], color[1], color[2], alpha].each(
                     #[inline(always)]
-                    |at, n, color, alpha| {
-                        let color = if self.encoding == Encoding::Srgb { srgb(simd, color) } else { color };
-                        let [r, g, b, a]: [S::u32s; 4] = [color[0], color[1], color[2], alpha].each(
-                            #[inline(always)]
-                            |v| (v * 65535.0 + 0.5).to_int(),
-                        );
-                        for (i, out) in out[at..at + n].iter_mut().enumerate() {
-                            *out = [r[i] as u16, g[i] as u16, b[i] as u16, a[i] as u16];
-                        }
-                    },
+                    |v| (v * 65535.0 + 0.5).to_int(),
                 );
+                for (i, out) in out.iter_mut().enumerate() {
+                    *out = [r[i] as u16, g[i] as u16, b[i] as u16, a[i] as u16];
+                }
             },
         );
     }
@@ -149,42 +122,53 @@ impl Develop {
         if self.exposure == 0.0 { 1.0 } else { exact::exp2(self.exposure as f64) as f32 }
     }
 
-    /// Calls `store(first, count, color, alpha)` for each register of developed cells.
+    /// Calls `store(first, color, alpha, pixels)` for each register of developed cells.
     #[inline(always)]
-    fn each_group<S: Simd>(
+    fn each_group<S: Simd, P: Copy>(
         &self,
         simd: S,
-        cells: &[LinearRgba],
-        under: Option<LinearRgb>,
-        mut store: impl FnMut(usize, usize, V3<S>, V<S>),
+        (cells, under): (&[LinearRgba], Option<LinearRgb>),
+        out: &mut [P],
+        mut store: impl FnMut(usize, V3<S>, V<S>, &mut [P]),
     ) {
+        assert_eq!(cells.len(), out.len(), "a row has as many pixels as cells");
         let gain = self.gain();
-        for (group, chunk) in cells.chunks(width::<S>()).enumerate() {
-            let [r, g, b, a] = load_cells(simd, chunk);
-            let alpha = clamp01(simd, a);
-            // Straight colour; where nothing is, alpha's floor only avoids a division by zero.
-            let inverse = splat(simd, 1.0) / at_least(simd, alpha, 1e-6);
-            let full = alpha.simd_ge(splat(simd, 1.0));
-            let straight = [r, g, b].each(
-                #[inline(always)]
-                |c| full.select(c, c * inverse),
-            );
-            let color = self.bent(simd, straight, gain);
-            let (color, alpha) = match under {
-                None => (color, alpha),
-                Some(under) => {
-                    let under = splat3(simd, under);
-                    let over: V3<S> = [0, 1, 2].each(
-                        #[inline(always)]
-                        |c| {
-                            let mixed = mix::<S>(under[c], color[c], alpha);
-                            clamp01(simd, full.select(color[c], mixed))
-                        },
-                    );
-                    (over, splat(simd, 1.0))
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let mut lanes = [[0.0; STRETCH]; 4];
+        // Where nothing is, one pixel serves a whole row, but for the dither pattern.
+        let mut nothing = None;
+        for (stretch, (cells, out)) in cells.chunks(STRETCH).zip(out.chunks_mut(STRETCH)).enumerate() {
+            separate(simd, cells, &mut lanes);
+            for (group, out) in out.chunks_mut(width::<S>()).enumerate() {
+                let at = group * width::<S>();
+                let [r, g, b, a]: [V<S>; 4] = lanes.each_ref().each(
+                    #[inline(always)]
+                    |lane| V::<S>::from_slice(simd, &lane[at..at + width::<S>()]),
+                );
+                let empty = a.simd_eq(zero);
+                let is_empty = empty.all_true();
+                if let (true, Some(nothing)) = (is_empty, nothing) {
+                    out.fill(nothing);
+                    continue;
                 }
-            };
-            store(group * width::<S>(), chunk.len(), color, alpha);
+                let full = a.simd_ge(one);
+                let (color, alpha) = if full.all_true() {
+                    (self.bent(simd, [r, g, b], gain), one)
+                } else {
+                    let alpha = clamp01(simd, a);
+                    // Straight colour; where nothing is, alpha's floor only avoids a division by zero.
+                    let inverse = one / at_least(simd, alpha, 1e-6);
+                    let straight = [r, g, b].each(
+                        #[inline(always)]
+                        |c| empty.select(zero, full.select(c, c * inverse)),
+                    );
+                    over(simd, self.bent(simd, straight, gain), alpha, under)
+                };
+                store(stretch * STRETCH + at, color, alpha, out);
+                if is_empty && !self.dither {
+                    nothing = Some(out[0]);
+                }
+            }
         }
     }
 
@@ -225,19 +209,38 @@ fn shoulder<S: Simd>(simd: S, peak: V<S>) -> V<S> {
     (t * (t * (1.0 / (T * T)) + 1.0)) / (t + 1.0) * SPAN + KNEE
 }
 
-/// Four channels of up to a register of cells; missing cells are zero.
+/// Developed colours over the background, if there is one.
 #[inline(always)]
-fn load_cells<S: Simd>(simd: S, cells: &[LinearRgba]) -> [V<S>; 4] {
-    let mut lanes = [[0.0; WIDEST]; 4];
-    for (i, cell) in cells[..cells.len().min(WIDEST)].iter().enumerate() {
-        for c in 0..4 {
-            lanes[c][i] = cell[c];
+fn over<S: Simd>(simd: S, color: V3<S>, alpha: V<S>, under: Option<LinearRgb>) -> (V3<S>, V<S>) {
+    let Some(under) = under else { return (color, alpha) };
+    let one = splat(simd, 1.0);
+    let full = alpha.simd_ge(one);
+    let under = splat3(simd, under);
+    let over: V3<S> = [0, 1, 2].each(
+        #[inline(always)]
+        |c| {
+            let mixed = mix::<S>(under[c], color[c], alpha);
+            clamp01(simd, full.select(color[c], mixed))
+        },
+    );
+    (over, one)
+}
+
+/// Cells to lanes, one for each channel. Lanes past the last cell are stale.
+#[inline(always)]
+fn separate<S: Simd>(simd: S, cells: &[LinearRgba], lanes: &mut [[f32; STRETCH]; 4]) {
+    let (fours, rest) = cells.as_chunks::<4>();
+    for (i, four) in fours.iter().enumerate() {
+        let four: &[f32; 16] = four.as_flattened().as_array().expect("four cells of four channels");
+        for (lane, channel) in lanes.iter_mut().zip(simd.load_four_interleaved_f32x4(four)) {
+            channel.store_slice(&mut lane[i * 4..i * 4 + 4]);
         }
     }
-    lanes.each(
-        #[inline(always)]
-        |lane| V::<S>::from_slice(simd, &lane[..width::<S>()]),
-    )
+    for (i, cell) in rest.iter().enumerate() {
+        for (lane, channel) in lanes.iter_mut().zip(cell) {
+            lane[fours.len() * 4 + i] = *channel;
+        }
+    }
 }
 
 /// The sRGB curve for numbers within [0, 1], to about 1e-6.

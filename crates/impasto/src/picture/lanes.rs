@@ -3,8 +3,33 @@
 //! Every function does the same operations in the same order on each lane, so the bits depend on neither the width nor
 //! the number of cells. `exp2`, `log2` and `pow` give the same bits as their scalar twins in [`crate::math`].
 
+//!
+//! Kernels use neither `array::map` nor `array::from_fn`: the standard library's loops are compiled without the SIMD
+//! level's instructions, so nothing inside of them would be inlined. [`per_channel`] writes the three terms out.
+
 use crate::math::{BATCH, Lane};
 use fearless_simd::{Simd, prelude::*};
+
+/// An array of three, from an expression for the channel or component `$c`.
+macro_rules! per_channel {
+    ($c:ident => $value:expr) => {
+        [
+            {
+                let $c = 0;
+                $value
+            },
+            {
+                let $c = 1;
+                $value
+            },
+            {
+                let $c = 2;
+                $value
+            },
+        ]
+    };
+}
+pub(super) use per_channel;
 
 /// As many cells as fit into one register.
 pub(super) type V<S> = <S as Simd>::f32s;
@@ -27,9 +52,9 @@ pub(super) fn load3<S: Simd>(simd: S, lanes: &[Lane; 3], at: usize) -> V3<S> {
 /// The reverse of [`load3`].
 #[inline(always)]
 pub(super) fn store3<S: Simd>(v: V3<S>, lanes: &mut [Lane; 3], at: usize) {
-    for (v, lane) in v.into_iter().zip(lanes) {
-        v.store_slice(&mut lane[at..at + width::<S>()]);
-    }
+    v[0].store_slice(&mut lanes[0][at..at + width::<S>()]);
+    v[1].store_slice(&mut lanes[1][at..at + width::<S>()]);
+    v[2].store_slice(&mut lanes[2][at..at + width::<S>()]);
 }
 
 /// Cells in a register.

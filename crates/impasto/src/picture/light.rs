@@ -6,11 +6,12 @@
 use crate::assets::{SceneLight, SceneLightKind};
 use crate::color::LinearRgb;
 use crate::math::{Mat3, Vec3, exact, unit_or, vec3};
-use crate::picture::{Ambient, Panel, Reflection, Surroundings};
+use crate::picture::{Ambient, Environment, Panel, Reflection, Surroundings};
 use crate::placement::Viewpoint;
+use std::sync::Arc;
 
 /// All light that falls on a scene.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Lighting {
     /// Lights with a direction.
     pub lights: Vec<Light>,
@@ -80,8 +81,10 @@ impl Light {
     }
 
     /// Colour times intensity.
+    #[inline(always)]
     pub fn strength(&self) -> LinearRgb {
-        self.color.map(|c| c * self.intensity)
+        let [r, g, b] = self.color;
+        [r * self.intensity, g * self.intensity, b * self.intensity]
     }
 }
 
@@ -136,26 +139,32 @@ impl Lighting {
         };
         let surroundings = Surroundings {
             up,
-            zenith: [0.34, 0.35, 0.37],
-            horizon: [0.20, 0.20, 0.205],
-            floor: [0.16, 0.152, 0.14],
-            nadir: [0.12, 0.112, 0.10],
-            horizon_width: 0.10,
+            zenith: [0.46, 0.47, 0.49],
+            horizon: [0.54, 0.54, 0.54],
+            floor: [0.34, 0.325, 0.30],
+            nadir: [0.15, 0.14, 0.125],
+            horizon_width: 0.22,
             panels: vec![
-                Panel::new(key, up, [0.62, 0.50], [3.4, 3.3, 3.15]),
-                Panel::new(fill, up, [0.30, 0.85], [0.75, 0.80, 0.90]),
-                Panel::new(rim, up, [0.22, 0.90], [3.0, 3.1, 3.3]),
+                Panel::new(key, up, [0.55, 0.45], [3.1, 3.0, 2.85]),
+                Panel::new(fill, up, [0.22, 0.75], [0.9, 0.95, 1.05]),
+                Panel::new(rim, up, [0.20, 0.80], [3.2, 3.3, 3.5]),
             ],
         };
         Self {
             lights: vec![
-                light(key, [1.0, 0.975, 0.94], 0.86, 0.55),
-                light(fill, [0.86, 0.93, 1.0], 0.15, 0.6),
-                light(rim, [0.95, 0.98, 1.0], 0.42, 0.25),
+                light(key, [1.0, 0.97, 0.93], 0.98, 0.5),
+                light(fill, [0.84, 0.92, 1.0], 0.10, 0.6),
+                light(rim, [0.95, 0.98, 1.0], 0.50, 0.25),
             ],
-            ambient: Ambient::of_surroundings(&surroundings),
+            // The sweep of paper around an object is brighter to look at than what reaches the object from it.
+            ambient: Ambient::of_surroundings(&surroundings.clone().dimmed(0.52)),
             reflection: Reflection::Surroundings(surroundings),
         }
+    }
+
+    /// The light of a panorama, and nothing else.
+    pub fn environment(environment: Arc<Environment>) -> Self {
+        Self { lights: Vec::new(), ambient: environment.ambient, reflection: Reflection::Environment(environment) }
     }
 
     /// A clear day: the sun from a world-space direction, blue sky, sunlit ground. World space, +Y up.

@@ -7,10 +7,10 @@
 //! Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting", 2019, so that a rough white metal stays white.
 
 use crate::lookup::Surfaces;
-use crate::math::{Each, Lane, kernel};
+use crate::math::Lane;
 use crate::picture::lanes::{
-    V, V3, add, at_least, at_most, clamp01, dot, exp2, inverse_length, load, load3, mix, reflect, scale, smaller,
-    splat, store3, width,
+    V, V3, add, at_least, at_most, clamp01, dot, exp2, inverse_length, load, load3, mix, per_channel, reflect, scale,
+    smaller, splat, store3, width,
 };
 use crate::picture::light::Lighting;
 use crate::picture::shade::{Arriving, ambient_at, arriving, softened};
@@ -40,22 +40,16 @@ pub(super) fn shade<S: Simd>(
         let color = load3(simd, &surfaces.color, at);
         let occlusion = load(simd, &surfaces.occlusion, at);
         let matte = scale::<S>(color, splat(simd, 1.0) - metal);
-        let f0: V3<S> = color.each(
-            #[inline(always)]
-            |c| mix::<S>(splat(simd, DIELECTRIC), c, metal),
-        );
+        let f0: V3<S> = per_channel!(c => mix::<S>(splat(simd, DIELECTRIC), color[c], metal));
 
         // Light from all around.
         let received = scale::<S>(ambient_at(simd, &lighting.ambient, constant, base.normal), occlusion);
         let seen = scale::<S>(around(simd, &lighting.reflection, &base), occlusion);
         let split = SplitSum::new(simd, &base);
-        let mut sum: V3<S> = [0, 1, 2].each(
-            #[inline(always)]
-            |c| {
-                let [once, more, rest] = split.shares(simd, f0[c]);
-                once * seen[c] + (more + matte[c] * rest) * received[c]
-            },
-        );
+        let mut sum: V3<S> = per_channel!(c => {
+            let [once, more, rest] = split.shares(simd, f0[c]);
+            once * seen[c] + (more + matte[c] * rest) * received[c]
+        });
 
         // Light from lights.
         let coat_strength = clamp01(simd, load(simd, &surfaces.coat, at));
@@ -139,14 +133,17 @@ impl<S: Simd> Facets<S> {
         let c = cross::<S>(self.normal, half.direction);
         let slope = dot::<S>(c, c) + n_dot_h * n_dot_h * squared;
         let distribution = squared / at_least(simd, slope * slope, 1e-20);
-        let masked = kernel(
-            #[inline(always)]
-            |a: V<S>, b: V<S>| a * (b * b * (splat(simd, 1.0) - squared) + squared).sqrt(),
-        );
-        let visibility = splat(simd, 0.5) / (masked(n_dot_l, self.n_dot_v) + masked(self.n_dot_v, n_dot_l));
+        let visibility = splat(simd, 0.5)
+            / (masked(simd, n_dot_l, self.n_dot_v, squared) + masked(simd, self.n_dot_v, n_dot_l, squared));
         // The other side of the half vectors' plane carries no facets.
         n_dot_h.simd_gt(splat(simd, 0.0)).select(distribution * visibility, splat(simd, 0.0))
     }
+}
+
+/// One of the two halves of Smith's height-correlated masking, for a squared alpha.
+#[inline(always)]
+fn masked<S: Simd>(simd: S, a: V<S>, b: V<S>, squared: V<S>) -> V<S> {
+    a * (b * b * (splat(simd, 1.0) - squared) + squared).sqrt()
 }
 
 /// The half vector between a light and the eye.
@@ -215,5 +212,6 @@ fn around<S: Simd>(simd: S, reflection: &Reflection, facets: &Facets<S>) -> V3<S
     let toward = dominant(simd, facets.normal, facets.reflected, facets.alpha);
     match reflection {
         Reflection::Surroundings(around) => mirrored(simd, around, toward, facets.alpha),
+        Reflection::Environment(environment) => environment.mirrored(simd, toward, facets.roughness),
     }
 }

@@ -4,9 +4,10 @@
 //! bits depend neither on the SIMD level nor on how cells are grouped.
 
 use crate::lookup::{Shading, Surfaces};
-use crate::math::{Each, Lane, Vec3, unit_or};
+use crate::math::{Lane, Vec3, unit_or};
 use crate::picture::lanes::{
-    V, V3, add, at_least, at_most, clamp01, dot, inverse_length, load, load3, pow, scale, splat3, store3, width,
+    V, V3, add, at_least, at_most, clamp01, dot, inverse_length, load, load3, per_channel, pow, scale, splat3, store3,
+    width,
 };
 use crate::picture::light::{Light, LightKind, Lighting};
 use crate::picture::{Ambient, metal_rough};
@@ -90,10 +91,7 @@ fn phong<S: Simd, const HIGHLIGHT: bool>(
                 shine = add::<S>(shine, scale::<S>(strength, pow(simd, cosine, exponent) * specular));
             }
         }
-        let lit = [0, 1, 2].each(
-            #[inline(always)]
-            |c| color[c] * received[c] + shine[c],
-        );
+        let lit = per_channel!(c => color[c] * received[c] + shine[c]);
         store3::<S>(lit, out, at);
     }
 }
@@ -144,10 +142,7 @@ pub(super) fn arriving<S: Simd>(simd: S, light: &Light, surfels: &Surfels, view:
 fn from_point<S: Simd>(simd: S, place: Vec3, surfels: &Surfels, at: usize) -> (V3<S>, V<S>) {
     let position = load3(simd, &surfels.position, at);
     let place = splat3(simd, place.to_array());
-    let way: V3<S> = [0, 1, 2].each(
-        #[inline(always)]
-        |c| place[c] - position[c],
-    );
+    let way: V3<S> = per_channel!(c => place[c] - position[c]);
     let inverse = inverse_length(simd, dot::<S>(way, way));
     (scale::<S>(way, inverse), inverse * inverse)
 }
@@ -176,14 +171,11 @@ pub(super) fn ambient_at<S: Simd>(simd: S, ambient: &Ambient, constant: bool, n:
     let [x, y, z] = n;
     let (xy, yz, xz) = (x * y, y * z, x * z);
     let (zz, xx) = (z * z * 3.0 - 1.0, x * x - y * y);
-    [0, 1, 2].each(
-        #[inline(always)]
-        |c| {
-            let sum = y * t[1][c] + t[0][c] + z * t[2][c] + x * t[3][c];
-            let sum = sum + xy * t[4][c] + yz * t[5][c] + zz * t[6][c] + xz * t[7][c] + xx * t[8][c];
-            at_least(simd, sum, 0.0)
-        },
-    )
+    per_channel!(c => {
+        let sum = y * t[1][c] + t[0][c] + z * t[2][c] + x * t[3][c];
+        let sum = sum + xy * t[4][c] + yz * t[5][c] + zz * t[6][c] + xz * t[7][c] + xx * t[8][c];
+        at_least(simd, sum, 0.0)
+    })
 }
 
 #[cfg(test)]

@@ -141,8 +141,8 @@ fn reflected(view: Vec3, toward: Vec3, roughness: f32, metalness: f32) -> f32 {
 #[test]
 fn directional_light_from_everywhere_is_never_more_than_white() {
     // White furnace by numeric integration over lights. A single bounce loses what facets catch again: at roughness 1
-    // and grazing angles up to six tenths, which is known and belongs to the model.
-    for (roughness, least) in [(0.3, 0.90), (0.6, 0.75), (1.0, 0.40)] {
+    // up to seven tenths, which is known and belongs to the model.
+    for (roughness, least) in [(0.3, 0.90), (0.6, 0.75), (1.0, 0.31)] {
         for n_dot_v in [0.2f32, 0.6, 0.95] {
             let view = vec3((1.0 - n_dot_v * n_dot_v).sqrt(), 0.0, n_dot_v);
             const N: usize = 8000;
@@ -152,7 +152,16 @@ fn directional_light_from_everywhere_is_never_more_than_white() {
             };
             let metal = share(1.0);
             assert!(metal <= 1.01 && metal > least, "metal {roughness} {n_dot_v}: {metal}");
-            assert!(share(0.0) <= 1.03, "dielectric {roughness} {n_dot_v}: {}", share(0.0));
+            if roughness == 1.0 {
+                // There the distribution is even and the integral has a closed form.
+                let truth = 1.0 - n_dot_v * exact::log((1.0 + 1.0 / n_dot_v) as f64) as f32;
+                assert!((metal - truth).abs() < 0.005, "metal {n_dot_v}: {metal} not {truth}");
+            }
+            // Appendix B weighs the matte part by the half vector's Fresnel term alone, which at grazing views leaves
+            // a white dielectric up to a fifth too bright. Files are made against that formula, so it stays.
+            let most = if n_dot_v < 0.5 { 1.22 } else { 1.05 };
+            let dielectric = share(0.0);
+            assert!(dielectric <= most && dielectric > 0.85, "dielectric {roughness} {n_dot_v}: {dielectric}");
         }
     }
 }

@@ -1,19 +1,23 @@
 //! What glossy surfaces mirror: sky, floor and soft boxes by formula, blurred by roughness without any set-up.
 //!
-//! A rough surface sees its surroundings through a lobe. Convolving a panel's two edges with a lobe of the same area is
-//! a trapezium in each direction; its corners are rounded with a cubic. That is not GGX's tail, but has the right width,
-//! keeps the energy, and costs a dozen operations.
+//! A rough surface sees its surroundings through a lobe. A slab of light seen through a lobe that falls off like
+//! `(1 + x^2)^-1.5` is a difference of two `x / sqrt(1 + x^2)`, and a panel is the product of two slabs: a lobe with
+//! long tails like GGX's, of the right width, which keeps the energy and never shows an edge where there is none.
 
 use crate::color::LinearRgb;
 use crate::math::{Vec3, unit_or};
-use crate::picture::lanes::{V, V3, at_most, clamp01, dot, larger, mix, smaller, smooth, splat, splat3};
+use crate::picture::Environment;
+use crate::picture::lanes::{V, V3, at_least, clamp01, dot, larger, mix, per_channel, smaller, smooth, splat, splat3};
 use fearless_simd::{Simd, prelude::*};
+use std::sync::Arc;
 
 /// What glossy surfaces mirror.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Reflection {
     /// By formula.
     Surroundings(Surroundings),
+    /// A photographed or painted panorama.
+    Environment(Arc<Environment>),
 }
 
 /// A sky, a floor, and bright panels before them.
@@ -40,14 +44,14 @@ pub struct Surroundings {
 pub struct Panel {
     /// World space, unit: across, up and towards the panel.
     pub frame: [Vec3; 3],
-    /// Half its width and height, as tangents of the angle.
+    /// Half its width and height: twice the tangent of half the angle.
     pub half_size: [f32; 2],
     /// Linear brightness.
     pub color: LinearRgb,
 }
 
 /// Width of a perfect mirror's lobe, so that a panel's edge is never a staircase.
-const LEAST_BLUR: f32 = 0.04;
+const LEAST_BLUR: f32 = 0.02;
 
 impl Panel {
     /// A panel in the direction `toward`, upright with respect to `up`.
@@ -72,6 +76,14 @@ impl Surroundings {
         }
     }
 
+    /// Sky and floor at another brightness, panels as they are.
+    pub fn dimmed(mut self, gain: f32) -> Self {
+        for color in [&mut self.zenith, &mut self.horizon, &mut self.floor, &mut self.nadir] {
+            *color = color.map(|c| c * gain);
+        }
+        self
+    }
+
     /// Sky and floor in a direction, sharp, without panels.
     pub fn gradient(&self, toward: Vec3) -> LinearRgb {
         let height = toward.dot(self.up);
@@ -89,8 +101,8 @@ impl Surroundings {
 /// Brightness of the surroundings in unit directions `toward`, through the lobe of a surface with this GGX alpha.
 #[inline(always)]
 pub(super) fn mirrored<S: Simd>(simd: S, around: &Surroundings, toward: V3<S>, alpha: V<S>) -> V3<S> {
-    // Reflected directions spread twice as far as half vectors; 0.8 fits the half width of GGX's core.
-    let blur = alpha * 1.6 + LEAST_BLUR;
+    // Reflected directions spread twice as far as half vectors; 0.65 fits the half width of GGX's core.
+    let blur = alpha * 1.3 + LEAST_BLUR;
     let inverse_blur = splat(simd, 1.0) / blur;
 
     // Sky and floor. A lobe that covers both sees their mean before it is level.
@@ -98,18 +110,19 @@ pub(super) fn mirrored<S: Simd>(simd: S, around: &Surroundings, toward: V3<S>, a
     let sky = clamp01(simd, height * (splat(simd, 0.5) / (blur + around.horizon_width)) + 0.5);
     let sky = smooth::<S>(sky);
     let h = larger::<S>(height, -height);
-    let mut color: V3<S> = std::array::from_fn(|c| {
+    let mut color: V3<S> = per_channel!(c => {
         let above = mix::<S>(splat(simd, around.horizon[c]), splat(simd, around.zenith[c]), h);
         let below = mix::<S>(splat(simd, around.floor[c]), splat(simd, around.nadir[c]), h);
         mix::<S>(below, above, sky)
     });
 
     for panel in &around.panels {
-        let [x, y, z] = panel.frame.map(|axis| dot::<S>(toward, splat3(simd, axis.to_array())));
-        // Behind the panel's plane the quotient is made so large that nothing is seen.
-        let inverse_z = splat(simd, 1.0) / z.simd_gt(splat(simd, 1e-3)).select(z, splat(simd, 1e-6));
+        let [x, y, z]: V3<S> = per_channel!(c => dot::<S>(toward, splat3(simd, panel.frame[c].to_array())));
+        // Stereographic: smooth all over the sphere but right behind, where a panel's share is too small to be missed.
+        let flat = splat(simd, 2.0) / (at_least(simd, z, -0.9) + 1.0);
         let [a, b] = panel.half_size;
-        let share = edge(simd, x * inverse_z, a, blur, inverse_blur) * edge(simd, y * inverse_z, b, blur, inverse_blur);
+        let share = slab(simd, x * flat, a, inverse_blur) * slab(simd, y * flat, b, inverse_blur);
+        let share = z.simd_gt(splat(simd, -0.9)).select(share, splat(simd, 0.0));
         for c in 0..3 {
             color[c] += share * panel.color[c];
         }
@@ -117,14 +130,15 @@ pub(super) fn mirrored<S: Simd>(simd: S, around: &Surroundings, toward: V3<S>, a
     color
 }
 
-/// How much of a slab of half width `a` a lobe of half width `blur` sees that is centred at `x`.
+/// How much of a slab of half width `a` a lobe sees that is centred at `x`.
 #[inline(always)]
-fn edge<S: Simd>(simd: S, x: V<S>, a: f32, blur: V<S>, inverse_blur: V<S>) -> V<S> {
-    let x = larger::<S>(x, -x);
-    // The ramp is twice the narrower of the two; where the lobe is the wider one the top is lower than 1.
-    let inverse_ramp = larger::<S>(splat(simd, 1.0 / a), inverse_blur) * 0.5;
-    let ramp = clamp01(simd, (blur + a - x) * inverse_ramp);
-    smooth::<S>(ramp) * at_most(simd, inverse_blur * a, 1.0)
+fn slab<S: Simd>(simd: S, x: V<S>, a: f32, inverse_blur: V<S>) -> V<S> {
+    (sigmoid(simd, (x + a) * inverse_blur) - sigmoid(simd, (x - a) * inverse_blur)) * 0.5
+}
+
+#[inline(always)]
+fn sigmoid<S: Simd>(simd: S, x: V<S>) -> V<S> {
+    x / (x * x + splat(simd, 1.0)).sqrt()
 }
 
 /// Which way a rough surface mostly mirrors: between reflection and normal (Lagarde, de Rousiers, "Moving Frostbite to
@@ -133,5 +147,5 @@ fn edge<S: Simd>(simd: S, x: V<S>, a: f32, blur: V<S>, inverse_blur: V<S>) -> V<
 pub(super) fn dominant<S: Simd>(simd: S, normal: V3<S>, reflected: V3<S>, alpha: V<S>) -> V3<S> {
     let smoothness = splat(simd, 1.0) - smaller::<S>(alpha, splat(simd, 1.0));
     let t = smoothness * (smoothness.sqrt() + alpha);
-    std::array::from_fn(|c| mix::<S>(normal[c], reflected[c], t))
+    per_channel!(c => mix::<S>(normal[c], reflected[c], t))
 }

@@ -4,6 +4,7 @@
 //! triangles into tiles, `raster` writes ids and depths, and `hits` derives surface points from them.
 
 mod bin;
+pub mod atlas;
 pub mod camera;
 pub mod domain;
 mod hits;
@@ -11,6 +12,7 @@ pub mod info_buffer;
 mod raster;
 pub mod tile;
 
+pub use atlas::Atlas;
 pub use camera::{Camera, Direction};
 pub use domain::Domain;
 pub use hits::{BATCH_FILL, fill};

@@ -381,3 +381,20 @@ fn triangles_behind_the_eye_or_out_of_all_bounds_leave_no_crack() {
     assert!(below.iter().all(|&id| id != Hit::NOTHING), "holes in the floor");
     assert!(below.contains(&0) && below.contains(&1));
 }
+
+#[test]
+fn an_atlas_loses_no_triangle_and_its_gutter_is_as_wide_as_asked() {
+    let size = Size::new(40, 20);
+    // A needle between texel centres, and a square in the middle.
+    let needle = [vec2(2.1, 3.6), vec2(30.2, 3.7), vec2(30.2, 3.8)];
+    let (a, b) = ([p(10, 10), p(20, 10), p(10, 15)], [p(20, 10), p(20, 15), p(10, 15)]);
+    let mesh = flat(&[needle, a, b], size);
+    let count = |atlas: Atlas| {
+        let ids = InfoBuffer::over_atlas(&mesh, 0, size, atlas, &Workers::new(2)).ids();
+        [ids.iter().filter(|id| **id == 0).count(), ids.iter().filter(|id| [1, 2].contains(*id)).count()]
+    };
+    assert_eq!(count(Atlas::default()), [0, 50]);
+    assert_eq!(count(Atlas { conservative: true, gutter: 0 }), [29, 50]);
+    // Corners are filled too: a square widened by two is 14 x 9.
+    assert_eq!(count(Atlas { conservative: false, gutter: 2 }), [0, 14 * 9]);
+}
