@@ -44,7 +44,8 @@ pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
         bar.set_message(path.to_owned());
         let mut recipe = text::parse(source, Path::new(path))?;
         let [w, h] = recipe.picture.size.unwrap_or([320, 240]);
-        recipe.picture.size = Some(args.size.map_or([w * ENLARGED, h * ENLARGED], |s| [s.width, s.height]));
+        let enlarged = if recipe.gallery.pixels == Some(true) { 1 } else { ENLARGED };
+        recipe.picture.size = Some(args.size.map_or([w * enlarged, h * enlarged], |s| [s.width, s.height]));
         let picture = picture(&mut recipe, path, &args.out, workers).with_context(|| path.to_owned())?;
         panels.push(Panel { path, recipe, source, picture });
         bar.inc(1);

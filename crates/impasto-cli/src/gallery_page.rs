@@ -147,8 +147,9 @@ fn card(body: &mut String, panel: &Panel) {
 fn image(panel: &Panel) -> String {
     let title = escape(panel.recipe.title.as_deref().unwrap_or(panel.path));
     let [w, h] = panel.recipe.picture.size.unwrap_or([960, 720]);
+    let class = if panel.recipe.gallery.pixels == Some(true) { "shot pixels" } else { "shot" };
     format!(
-        "<a class=\"shot\" href=\"{p}\"><img src=\"{p}\" alt=\"{title}\" width=\"{w}\" height=\"{h}\" loading=\"lazy\"></a>",
+        "<a class=\"{class}\" href=\"{p}\"><img src=\"{p}\" alt=\"{title}\" width=\"{w}\" height=\"{h}\" loading=\"lazy\"></a>",
         p = escape(&panel.picture)
     )
 }

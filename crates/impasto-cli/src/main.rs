@@ -50,6 +50,7 @@ enum Command {
 }
 
 fn main() {
+    std::panic::set_hook(Box::new(bug));
     let cli = Cli::parse();
     if let Err(error) = run_command(cli) {
         // A reader that has seen enough is no failure.
@@ -80,6 +81,18 @@ fn run_command(cli: Cli) -> Result<()> {
         Command::Gallery(args) => gallery::run(&args, &workers),
         Command::Bench(args) => bench::run(&args, &workers),
         Command::Completions(args) => completions::run(&args),
+    }
+}
+
+/// A bug of ours in one line, with where it is; more for those who ask by RUST_BACKTRACE.
+fn bug(panic: &std::panic::PanicHookInfo) {
+    let words = panic.payload_as_str().unwrap_or("something impossible happened");
+    let words = words.split_whitespace().collect::<Vec<_>>().join(" ");
+    let place = panic.location().map(|l| format!(" ({}, line {})", l.file(), l.line())).unwrap_or_default();
+    eprintln!("impasto: a bug, please report it: {words}{place}");
+    let trace = std::backtrace::Backtrace::capture();
+    if trace.status() == std::backtrace::BacktraceStatus::Captured {
+        eprintln!("{trace}");
     }
 }
 

@@ -112,7 +112,9 @@ fn errors_are_one_line_with_the_cause_and_leave_nothing() {
         assert!(files(dir.path()).is_empty(), "{args:?} leaves nothing");
     }
     std::fs::write(dir.path().join("a.toml"), "[camera]\nvew = 'top'").unwrap();
-    assert!(fails(dir.path(), &["run", "a.toml"]).contains("line 2, column 1: unknown key `vew`; did you mean `view`?"));
+    assert!(
+        fails(dir.path(), &["run", "a.toml"]).contains("line 2, column 1: unknown key `vew`; did you mean `view`?")
+    );
 }
 
 #[test]
@@ -133,10 +135,8 @@ fn every_command_teaches_by_example_and_is_in_the_readme() {
     assert!(commands.len() >= 6, "{help}");
     let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
     let readme = std::fs::read_to_string(readme).unwrap();
-    let in_readme: Vec<String> = readme
-        .lines()
-        .filter_map(|l| l.strip_prefix("| `impasto ")?.split('`').next().map(str::to_owned))
-        .collect();
+    let in_readme: Vec<String> =
+        readme.lines().filter_map(|l| l.strip_prefix("| `impasto ")?.split('`').next().map(str::to_owned)).collect();
     assert_eq!(commands, in_readme, "README lists the commands of --help, in order");
     for command in &commands {
         let help = ok(dir.path(), &[command, "--help"]);
@@ -191,7 +191,9 @@ fn broken_files_give_a_picture_or_one_line() {
     for path in broken {
         let file = path.to_string_lossy().into_owned();
         let program = env!("CARGO_BIN_EXE_impasto");
-        let line = format!("ulimit -v 2000000; exec '{program}' --threads 1 render '{file}' -o a.png --size 64x48 --samples 1");
+        let line = format!(
+            "ulimit -v 2000000; exec '{program}' --threads 1 render '{file}' -o a.png --size 64x48 --samples 1"
+        );
         let out = Command::new("sh").current_dir(dir.path()).args(["-c", &line]).output().unwrap();
         let error = text(&out.stderr);
         assert!(matches!(out.status.code(), Some(0 | 1)), "{file}: {:?} {error}", out.status);

@@ -101,7 +101,8 @@ fn every_recipe_gives_its_picture_to_the_byte() {
         let name = path.strip_prefix(gallery()).unwrap().with_extension("").display().to_string();
         if let Some(wanted) = &wanted {
             std::fs::create_dir_all(&failures).unwrap();
-            std::fs::write(failures.join(format!("{}.png", name.replace('/', "-"))), encode(&report(wanted, &got))).unwrap();
+            std::fs::write(failures.join(format!("{}.png", name.replace('/', "-"))), encode(&report(wanted, &got)))
+                .unwrap();
         }
         if update {
             std::fs::write(&picture, encode(&got)).unwrap();

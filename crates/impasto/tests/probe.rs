@@ -21,7 +21,14 @@ fn check(toml: &str) {
         for x in 0..48 {
             let probe = inspect::probe(&domain, &shot, [x, y], &workers);
             let mut pixel = [[0; 4]];
-            develop_row(&prepared.develop, &workers, &[probe.unlit], prepared.background.row(y, prepared.size), y, &mut pixel);
+            develop_row(
+                &prepared.develop,
+                &workers,
+                &[probe.unlit],
+                prepared.background.row(y, prepared.size),
+                y,
+                &mut pixel,
+            );
             let drawn = picture.pixels[(y * 48 + x) as usize];
             assert_eq!(pixel[0], drawn, "pixel {x},{y} of {toml}");
             n_covered += !probe.found.is_empty() as usize;
@@ -45,7 +52,9 @@ fn probed_values_give_the_unlit_picture() {
 #[test]
 fn probed_values_give_the_unlit_picture_of_masks_and_layers() {
     let dots = "[[layers]]\nimage = 'sample:alpha-dots'\ntexels = 64\nscale = [4.0, 2.0]";
-    check(&format!("[input]\nfile = 'sample:displaced'\nresolution = 24\n[surface]\nplain = true\nalpha_mode = 'mask'\n{dots}"));
+    check(&format!(
+        "[input]\nfile = 'sample:displaced'\nresolution = 24\n[surface]\nplain = true\nalpha_mode = 'mask'\n{dots}"
+    ));
     check("[input]\nfile = 'sample:knot'\nresolution = 16\n[surface]\nalpha = 0.4\ncolor = '#3070c0'");
 }
 
@@ -57,7 +66,8 @@ fn the_atlas_is_probed_as_it_is_drawn() {
 /// Channels say what the probe says.
 #[test]
 fn channels_agree_with_probes() {
-    let recipe = text::parse("[input]\nfile = 'sample:flange'\nresolution = 24\n[picture]\nsize = [32, 24]", Path::new("a"));
+    let recipe =
+        text::parse("[input]\nfile = 'sample:flange'\nresolution = 24\n[picture]\nsize = [32, 24]", Path::new("a"));
     let prepared = recipe::prepare(&recipe.unwrap(), Path::new("")).unwrap().value;
     let workers = Workers::new(2);
     let (domain, shot) = (prepared.domain(), prepared.shot(Samples::One));

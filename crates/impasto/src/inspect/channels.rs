@@ -9,7 +9,7 @@ use crate::par::Workers;
 use crate::picture::render::Shot;
 use crate::placement::{self, Needs, Surfels, TexCoords};
 use crate::visibility::{self, BATCH_FILL, Domain, Hit, InfoBuffer};
-use fearless_simd::dispatch;
+use fearless_simd::Fallback;
 
 /// One quantity of every cell, rows from the top, components together.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,7 +130,8 @@ fn each_row<T: Send>(
                 (surfels.cell[0][i], surfels.cell[1][i]) = (*x, y as u32);
                 surfels.triangle[i] = *triangle;
             }
-            dispatch!(workers.level(), simd => visibility::fill(simd, domain, needs, [128, 128], &mut surfels));
+            // Any level gives the same bits, and this is no hot path.
+            visibility::fill(Fallback::new(), domain, needs, [128, 128], &mut surfels);
             take(&surfels, &mut out);
         }
         (seen.iter().map(|(x, _)| *x).collect(), out)

@@ -9,7 +9,7 @@ use crate::par::Workers;
 use crate::picture::render::{self, Shot};
 use crate::placement::{self, Needs, Surfels, TexCoords};
 use crate::visibility::{self, Domain, Hit, InfoBuffer, Samples, TILE};
-use fearless_simd::dispatch;
+use fearless_simd::Fallback;
 
 /// What is seen at the centre of a cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,7 +95,7 @@ pub fn probe(domain: &Domain, shot: &Shot, cell: [u32; 2], workers: &Workers) ->
         let triangle = l.ids.get(at).copied().unwrap_or(Hit::NOTHING);
         (triangle != Hit::NOTHING).then(|| (triangle, l.depths[at]))
     });
-    let found: Vec<Found> = hits.map(|(triangle, depth)| find(domain, shot, cell, triangle, depth, workers)).collect();
+    let found: Vec<Found> = hits.map(|(triangle, depth)| find(domain, shot, cell, (triangle, depth))).collect();
     Probe { cell, unlit: laid_over(&found, shot), found }
 }
 
@@ -118,7 +118,7 @@ pub(super) fn part_of(mesh: &Mesh, triangle: u32) -> usize {
     mesh.parts().partition_point(|p| p.triangles.end <= triangle)
 }
 
-fn find(domain: &Domain, shot: &Shot, cell: [u32; 2], triangle: u32, depth: f32, workers: &Workers) -> Found {
+fn find(domain: &Domain, shot: &Shot, cell: [u32; 2], (triangle, depth): (u32, f32)) -> Found {
     let mesh = domain.mesh;
     let part = part_of(mesh, triangle);
     let look_index = shot.looks.look_of_part[part] as usize;
@@ -141,11 +141,11 @@ fn find(domain: &Domain, shot: &Shot, cell: [u32; 2], triangle: u32, depth: f32,
     };
     let mut scratch = lookup::Scratch::new();
     let mut surfaces = Surfaces::new();
-    dispatch!(workers.level(), simd => {
-        visibility::fill(simd, domain, everything, [128, 128], &mut surfels);
-        let points = Points { mesh, view: &domain.view, surfels: &surfels };
-        lookup::evaluate(simd, (shot.looks, look_index), points, &mut scratch, &mut surfaces);
-    });
+    // Any level gives the same bits; for one point the scalar one does.
+    let simd = Fallback::new();
+    visibility::fill(simd, domain, everything, [128, 128], &mut surfels);
+    let points = Points { mesh, view: &domain.view, surfels: &surfels };
+    lookup::evaluate(simd, (shot.looks, look_index), points, &mut scratch, &mut surfaces);
 
     let lane3 = |l: &[crate::math::Lane; 3]| Vec3::new(l[0][0], l[1][0], l[2][0]);
     let [b1, b2] = [surfels.barycentric[0][0], surfels.barycentric[1][0]];

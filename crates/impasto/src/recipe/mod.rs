@@ -211,6 +211,8 @@ pub struct GalleryPlace {
     pub label: Option<String>,
     /// At the head of the page.
     pub hero: Option<bool>,
+    /// Show it as small as it is, each pixel a square: for what happens between pixels.
+    pub pixels: Option<bool>,
     /// What the page shows instead of the picture: `info-texture`.
     pub show: Option<String>,
 }

@@ -77,7 +77,7 @@ pub fn prepare(recipe: &Recipe, base: &Path) -> Result<Report<Prepared>> {
     let lighting = view::lighting(recipe, &scene, &viewpoint, environment.as_ref())?;
     let unlit = recipe.picture.unlit.unwrap_or(false);
     let is_lit = !unlit && looks.looks.iter().any(|l| l.shading != Shading::Unlit);
-    let develop = view::develop(recipe, is_lit && !recipe.shows_data())?;
+    let develop = view::develop(recipe, is_lit && !recipe.shows_data(), background)?;
     let ground = recipe.picture.ground.unwrap_or(false);
     let value = Prepared { scene, looks, view, size, samples, lighting, unlit, background, develop, ground };
     Ok(Report { value, mended })
@@ -252,7 +252,7 @@ fn tangents(scene: &mut Scene, looks: &Looks, mended: &mut Vec<Mended>) {
         return;
     }
     let bumps = looks.looks.iter().flat_map(|l| &l.layers).find_map(|l| match (l.target, &l.placement) {
-        (Target::Normal { .. } | Target::CoatNormal { .. }, Placement::Uv(set)) => Some(*set),
+        (Target::Normal { .. } | Target::CoatNormal { .. } | Target::Bump { .. }, Placement::Uv(set)) => Some(*set),
         _ => None,
     });
     let Some(set) = bumps.filter(|set| *set < scene.mesh.uv_sets().len()) else { return };

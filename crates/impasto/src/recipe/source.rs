@@ -55,7 +55,12 @@ fn checked(texels: Option<u32>, absent: u32) -> Result<u32> {
 }
 
 /// An image a recipe names; samples are `size` texels wide.
-pub(super) fn image(given: &str, base: &Path, (texels, seed): Making, mended: &mut Vec<Mended>) -> Result<TextureImage> {
+pub(super) fn image(
+    given: &str,
+    base: &Path,
+    (texels, seed): Making,
+    mended: &mut Vec<Mended>,
+) -> Result<TextureImage> {
     if let Some(name) = given.strip_prefix(SAMPLE) {
         return sample_image(name, checked(texels, TEXTURE_SIZE)?, seed);
     }
@@ -65,7 +70,12 @@ pub(super) fn image(given: &str, base: &Path, (texels, seed): Making, mended: &m
 }
 
 /// A list of images; `sample:NAME` may stand for all of them.
-pub(super) fn images(given: &[String], base: &Path, (texels, seed): Making, mended: &mut Vec<Mended>) -> Result<Vec<TextureImage>> {
+pub(super) fn images(
+    given: &[String],
+    base: &Path,
+    (texels, seed): Making,
+    mended: &mut Vec<Mended>,
+) -> Result<Vec<TextureImage>> {
     if let [one] = given
         && let Some(name) = one.strip_prefix(SAMPLE)
     {

@@ -250,7 +250,7 @@ pub(super) fn background(given: Option<&str>) -> Result<Background> {
 }
 
 /// How light becomes bytes: filmic for what is lit, plain for what is not.
-pub(super) fn develop(recipe: &Recipe, is_lit: bool) -> Result<Develop> {
+pub(super) fn develop(recipe: &Recipe, is_lit: bool, background: Background) -> Result<Develop> {
     let absent = if is_lit { Curve::Filmic } else { Curve::Plain };
     let curve =
         choose_or("develop", &recipe.picture.develop, &[("filmic", Curve::Filmic), ("plain", Curve::Plain)], absent)?;
@@ -258,7 +258,9 @@ pub(super) fn develop(recipe: &Recipe, is_lit: bool) -> Result<Develop> {
     if !(exposure.abs() <= 30.0) {
         return Err(impossible("exposure", exposure, "-30 to 30 stops"));
     }
-    Ok(Develop { curve, exposure, ..Develop::PLAIN })
+    // Slow gradients would show their steps.
+    let dither = matches!(background, Background::Gradient { .. }) && curve == Curve::Filmic;
+    Ok(Develop { curve, exposure, dither, ..Develop::PLAIN })
 }
 
 impl std::fmt::Display for View {

@@ -171,7 +171,8 @@ impl Camera {
                 let back = self.axes()[2];
                 let z = bounds.corners().map(|c| (c - self.eye()).dot(back));
                 let (lo, hi) = z.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), &z| (a.min(z), b.max(z)));
-                let k = 1.0 / (hi - lo).max(1e-20);
+                // A flat object seen face on has no depth of its own; its distance must not swamp the scale.
+                let k = 1.0 / (hi - lo).max((hi.abs() + lo.abs()) * 1e-3).max(1e-20);
                 Mat4::from_cols(
                     vec4(scale, 0.0, 0.0, 0.0),
                     vec4(0.0, -scale, 0.0, 0.0),

@@ -59,6 +59,10 @@ pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: [i32; 2], su
     edges(simd, place, runs, &set_ups, surfels, &mut sum);
     weights(simd, surfels, &mut sum);
     let mesh = domain.mesh;
+    // What the mesh does not have stays stale; looks ask the mesh, too.
+    let has = |lane: bool, n: usize| lane && n > 0;
+    let (tangent, color) = (has(needs.tangent, mesh.tangents().len()), has(needs.color, mesh.colors().len()));
+    let needs = Needs { tangent, color, ..needs };
     for (i, run) in runs.iter().enumerate() {
         let pick = |lanes: &[Lane; 3]| {
             lanes.each_ref().each(
