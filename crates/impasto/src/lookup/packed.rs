@@ -73,7 +73,7 @@ fn address<S: Simd>(
     let last = f32x8::splat(simd, (texture.levels.len() - 1) as f32);
     let (zero, half, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 0.5), f32x8::splat(simd, 1.0));
     let rounds = texture.sampler.min == MinFilter::LinearMipmapNearest;
-    let size = [texture.levels[0].size[0], texture.levels[0].size[1]].map(|n| f32x8::splat(simd, n as f32));
+    let size = [texture.levels[0].size[0] as f32, texture.levels[0].size[1] as f32];
     let repeats = [0, 1].map(|axis| texture.sampler.wrap[axis] == Wrap::Repeat);
     let mut any = u32x8::splat(simd, 0);
     for i in (0..n).step_by(8) {
@@ -93,42 +93,76 @@ fn address<S: Simd>(
         mix.store_slice(&mut out.mix[i..i + 8]);
         let last: i32x8<S> = last.to_int();
         let coarse = (fine + 1).simd_lt(last).select(fine + 1, last);
-        for (l, level) in [fine, coarse].into_iter().enumerate() {
-            level.store_slice(&mut out.level[l][i..i + 8]);
-            // 2^-level as a float's bits.
-            let bits: u32x8<S> = ((i32x8::splat(simd, 127) - level) << 23).bitcast();
-            let shrink = f32x8::from_bits(bits);
-            for axis in 0..2 {
-                let n_texels: i32x8<S> = (size[axis] * shrink).to_int();
-                let n_texels = n_texels.simd_gt(1).select(n_texels, i32x8::splat(simd, 1));
-                let x = f32x8::from_slice(simd, &folded[axis][i..i + 8]);
-                let x = x.simd_gt(zero).select(x, zero);
-                let x = x.simd_lt(one).select(x, one);
-                let fixed: i32x8<S> = (x * n_texels.to_float::<f32x8<S>>() * 256.0).to_int();
-                let fixed = fixed - 128;
-                let (place, weight) = if repeats[axis] {
-                    let place = fixed >> 8;
-                    (place.simd_lt(0).select(place + n_texels, place), fixed & 255)
-                } else {
-                    let end = (n_texels - 1) << 8;
-                    let fixed = fixed.simd_gt(0).select(fixed, i32x8::splat(simd, 0));
-                    let fixed = fixed.simd_lt(end).select(fixed, end);
-                    (fixed >> 8, fixed & 255)
-                };
-                place.store_slice(&mut out.place[l][axis][i..i + 8]);
-                let weight: u32x8<S> = weight.bitcast();
-                weight.store_slice(&mut out.weight[l][axis][i..i + 8]);
-            }
-        }
+        let at = Address { simd, size, repeats, i };
+        at.place(fine, folded, (&mut out.level[0], &mut out.place[0], &mut out.weight[0]));
+        at.place(coarse, folded, (&mut out.level[1], &mut out.place[1], &mut out.weight[1]));
     }
     any.simd_gt(0).any_true()
+}
+
+/// Eight points' way to their texels.
+#[derive(Clone, Copy)]
+struct Address<S: Simd> {
+    simd: S,
+    /// Texels across and down of the full image.
+    size: [f32; 2],
+    repeats: [bool; 2],
+    /// The first of the points.
+    i: usize,
+}
+
+impl<S: Simd> Address<S> {
+    #[inline(always)]
+    fn place(
+        self,
+        level: i32x8<S>,
+        folded: &[Lane; 3],
+        (levels, places, weights): (&mut [i32; BATCH], &mut [[i32; BATCH]; 2], &mut [[u32; BATCH]; 2]),
+    ) {
+        level.store_slice(&mut levels[self.i..self.i + 8]);
+        // 2^-level as a float's bits.
+        let bits: u32x8<S> = ((i32x8::splat(self.simd, 127) - level) << 23).bitcast();
+        let shrink = f32x8::from_bits(bits);
+        self.along(0, shrink, &folded[0], (&mut places[0], &mut weights[0]));
+        self.along(1, shrink, &folded[1], (&mut places[1], &mut weights[1]));
+    }
+
+    #[inline(always)]
+    fn along(
+        self,
+        axis: usize,
+        shrink: f32x8<S>,
+        folded: &Lane,
+        (places, weights): (&mut [i32; BATCH], &mut [u32; BATCH]),
+    ) {
+        let (simd, i) = (self.simd, self.i);
+        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        let n_texels: i32x8<S> = (f32x8::splat(simd, self.size[axis]) * shrink).to_int();
+        let n_texels = n_texels.simd_gt(1).select(n_texels, i32x8::splat(simd, 1));
+        let x = f32x8::from_slice(simd, &folded[i..i + 8]);
+        // Lanes past the batch's end hold anything.
+        let x = x.simd_gt(zero).select(x, zero);
+        let x = x.simd_lt(one).select(x, one);
+        let fixed: i32x8<S> = (x * n_texels.to_float::<f32x8<S>>() * 256.0).to_int();
+        let fixed = fixed - 128;
+        let fixed = if self.repeats[axis] {
+            fixed.simd_lt(0).select(fixed + (n_texels << 8), fixed)
+        } else {
+            let end = (n_texels - 1) << 8;
+            let fixed = fixed.simd_gt(0).select(fixed, i32x8::splat(simd, 0));
+            fixed.simd_lt(end).select(fixed, end)
+        };
+        (fixed >> 8).store_slice(&mut places[i..i + 8]);
+        let weight: u32x8<S> = (fixed & 255).bitcast();
+        weight.store_slice(&mut weights[i..i + 8]);
+    }
 }
 
 #[inline(always)]
 fn fetch(texture: &ImageTexture, texels: &[[u8; 4]], n: usize, l: usize, scratch: &mut Packed) {
     let (levels, [xs, ys]) = (&scratch.level[l], &scratch.place[l]);
     let [upper, lower] = &mut scratch.pairs[l];
-    for i in 0..n {
+    for i in 0..n.min(BATCH) {
         let level = &texture.levels[levels[i] as usize];
         let at = level.offset + ys[i] as usize * level.row + xs[i] as usize;
         upper[i] = pair(texels, at);
@@ -152,27 +186,37 @@ fn filter<S: Simd, const BLENDS: bool>(simd: S, n: usize, scratch: &Packed, out:
         if BLENDS {
             texel = lerp(texel, bilinear(simd, scratch, 1, i), weights(simd, &scratch.mix, i));
         }
-        for (half, channels) in texel.0.into_iter().zip([[0, 2], [1, 3]]) {
-            let bits: u32x8<S> = half.bitcast();
-            for (channel, value) in channels.into_iter().zip([bits & 0xffff, bits >> 16]) {
-                let value: i32x8<S> = value.bitcast();
-                let value: f32x8<S> = value.to_float();
-                (value * (1.0 / 255.0)).store_slice(&mut out[channel][i..i + 8]);
-            }
-        }
+        let red_blue: u32x8<S> = texel.0[0].bitcast();
+        let green_alpha: u32x8<S> = texel.0[1].bitcast();
+        store(simd, red_blue & 0xffff, &mut out[0], i);
+        store(simd, green_alpha & 0xffff, &mut out[1], i);
+        store(simd, red_blue >> 16, &mut out[2], i);
+        store(simd, green_alpha >> 16, &mut out[3], i);
     }
+}
+
+/// Eight bytes as numbers in [0, 1].
+#[inline(always)]
+fn store<S: Simd>(simd: S, bytes: u32x8<S>, lane: &mut Lane, i: usize) {
+    let bytes: i32x8<S> = bytes.bitcast();
+    let value: f32x8<S> = bytes.to_float();
+    (value * f32x8::splat(simd, 1.0 / 255.0)).store_slice(&mut lane[i..i + 8]);
 }
 
 #[inline(always)]
 fn bilinear<S: Simd>(simd: S, scratch: &Packed, l: usize, i: usize) -> Halves<S> {
     let across = weights(simd, &scratch.weight[l][0], i);
     let down = weights(simd, &scratch.weight[l][1], i);
-    let row = |pairs: &[u64; BATCH]| {
-        let first: u32x8<S> = u64x4::from_slice(simd, &pairs[i..i + 4]).bitcast();
-        let second: u32x8<S> = u64x4::from_slice(simd, &pairs[i + 4..i + 8]).bitcast();
-        lerp(halves(first.unzip_low(second)), halves(first.unzip_high(second)), across)
-    };
-    lerp(row(&scratch.pairs[l][0]), row(&scratch.pairs[l][1]), down)
+    let upper = row(simd, &scratch.pairs[l][0], across, i);
+    lerp(upper, row(simd, &scratch.pairs[l][1], across, i), down)
+}
+
+/// Eight texels and their right neighbours, mixed.
+#[inline(always)]
+fn row<S: Simd>(simd: S, pairs: &[u64; BATCH], across: u16x16<S>, i: usize) -> Halves<S> {
+    let first: u32x8<S> = u64x4::from_slice(simd, &pairs[i..i + 4]).bitcast();
+    let second: u32x8<S> = u64x4::from_slice(simd, &pairs[i + 4..i + 8]).bitcast();
+    lerp(halves(first.unzip_low(second)), halves(first.unzip_high(second)), across)
 }
 
 #[inline(always)]
@@ -191,6 +235,10 @@ fn weights<S: Simd>(simd: S, lane: &[u32; BATCH], i: usize) -> u16x16<S> {
 #[inline(always)]
 fn lerp<S: Simd>(a: Halves<S>, b: Halves<S>, weight: u16x16<S>) -> Halves<S> {
     let rest = 256 - weight;
-    let mix = |a: u16x16<S>, b: u16x16<S>| (a * rest + b * weight + 128) >> 8;
-    Halves([mix(a.0[0], b.0[0]), mix(a.0[1], b.0[1])])
+    Halves([lerp16(a.0[0], b.0[0], rest, weight), lerp16(a.0[1], b.0[1], rest, weight)])
+}
+
+#[inline(always)]
+fn lerp16<S: Simd>(a: u16x16<S>, b: u16x16<S>, rest: u16x16<S>, weight: u16x16<S>) -> u16x16<S> {
+    (a * rest + b * weight + 128) >> 8
 }
