@@ -66,7 +66,7 @@ fn picture(recipe: &mut Recipe, path: &str, out: &Path, workers: &Workers) -> Re
         Some("info-texture") => recipe.output.info_texture = Some(name.clone()),
         _ => recipe.output.picture = Some(name.clone()),
     }
-    let prepared = recipe::prepare(recipe, out)?;
+    let prepared = recipe::prepare(recipe, out, workers)?;
     let (made, _) = output::make(recipe, &prepared.value, (out, &[("Command", command)]), workers, &|_| ())?;
     output::write(&made)?;
     Ok(name)

@@ -38,7 +38,7 @@ fn cell(text: &str) -> Result<[u32; 2], String> {
 }
 
 pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
-    let report = recipe::prepare(&args.look.recipe()?, Path::new(""))?;
+    let report = recipe::prepare(&args.look.recipe()?, Path::new(""), workers)?;
     let prepared = &report.value;
     let [x, y] = args.at;
     if x >= prepared.size.width || y >= prepared.size.height {

@@ -76,7 +76,7 @@ pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
 pub(crate) fn draw(recipe: &Recipe, base: &Path, as_json: bool, workers: &Workers) -> Result<()> {
     let start = Instant::now();
     output::check(recipe, base)?;
-    let prepared = recipe::prepare(recipe, base)?;
+    let prepared = recipe::prepare(recipe, base, workers)?;
     let bar = report::bar(recipe.subject(), 1000);
     let about = [("Command", command_line())];
     let progress = |share: f32| bar.set_position((share * 1000.0) as u64);

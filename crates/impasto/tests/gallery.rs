@@ -34,7 +34,7 @@ fn draw(path: &Path, workers: &Workers) -> Pixels {
         _ => recipe.output.picture = Some("a.png".into()),
     }
     let base = path.parent().unwrap();
-    let prepared = recipe::prepare(&recipe, base).unwrap_or_else(|e| panic!("{path:?}: {e}"));
+    let prepared = recipe::prepare(&recipe, base, workers).unwrap_or_else(|e| panic!("{path:?}: {e}"));
     let (made, _) = output::make(&recipe, &prepared.value, (base, &[]), workers, &|_| ()).unwrap();
     decode(&made[0].bytes, path)
 }

@@ -13,7 +13,7 @@ fn check(toml: &str) {
     recipe.picture.samples = Some(1);
     recipe.picture.unlit = Some(true);
     let workers = Workers::new(1);
-    let prepared = recipe::prepare(&recipe, Path::new("")).unwrap().value;
+    let prepared = recipe::prepare(&recipe, Path::new(""), &workers).unwrap().value;
     let picture = prepared.render(&workers, &|_| ());
     let (domain, shot) = (prepared.domain(), prepared.shot(Samples::One));
     let mut n_covered = 0;
@@ -66,10 +66,10 @@ fn the_atlas_is_probed_as_it_is_drawn() {
 /// Channels say what the probe says.
 #[test]
 fn channels_agree_with_probes() {
+    let workers = Workers::new(2);
     let recipe =
         text::parse("[input]\nfile = 'sample:flange'\nresolution = 24\n[picture]\nsize = [32, 24]", Path::new("a"));
-    let prepared = recipe::prepare(&recipe.unwrap(), Path::new("")).unwrap().value;
-    let workers = Workers::new(2);
+    let prepared = recipe::prepare(&recipe.unwrap(), Path::new(""), &workers).unwrap().value;
     let (domain, shot) = (prepared.domain(), prepared.shot(Samples::One));
     let buffer = inspect::probe::buffer(&domain, &shot, &workers);
     let quantities = inspect::quantities(&buffer, &domain, &shot, &workers);

@@ -58,7 +58,9 @@ impl Ground {
     /// Lays the shadow behind a run of cells, given from their first column and row: premultiplied black.
     pub fn darken(&self, lens: &Lens, [column, row]: [u32; 2], cells: &mut [LinearRgba]) {
         for (i, cell) in cells.iter_mut().enumerate() {
-            if cell[3] < 1.0 && let Some([x, z]) = lens.floor_point(column as f32 + i as f32 + 0.5, row as f32 + 0.5) {
+            if cell[3] < 1.0
+                && let Some([x, z]) = lens.floor_point(column as f32 + i as f32 + 0.5, row as f32 + 0.5)
+            {
                 cell[3] += (1.0 - cell[3]) * DEPTH * self.at(x, z);
             }
         }

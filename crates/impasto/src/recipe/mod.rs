@@ -119,7 +119,7 @@ pub struct PictureRecipe {
     pub light: Option<String>,
     /// A panorama (equirectangular image) that lights the scene.
     pub environment: Option<String>,
-    /// `light`, `studio`, `white`, `dark`, `transparent`, `environment`, or a colour `#rrggbb`.
+    /// `light`, `studio`, `white`, `dark`, `transparent`, or a colour `#rrggbb`.
     pub background: Option<String>,
     /// A soft contact shadow on an endless floor.
     pub ground: Option<bool>,

@@ -4,13 +4,15 @@ use crate::assets::{AlphaMode, Scene, TextureImage};
 use crate::error::{Error, Mended, Report, Result, note};
 use crate::lookup::{ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading, Target, Texture, Usage};
 use crate::math::Size;
-use crate::picture::{Background, Develop, Lighting};
+use crate::par::Workers;
+use crate::picture::{Background, Develop, Environment, Lighting};
 use crate::placement::{self, Placement, UnwrapOptions};
 use crate::recipe::layer::LayerRecipe;
 use crate::recipe::words::{choose, color, impossible};
 use crate::recipe::{Recipe, SurfaceRecipe, View, source, stack, view};
 use crate::visibility::Samples;
 use std::path::Path;
+use std::sync::Arc;
 
 /// All that a picture depends on, loaded and checked.
 pub struct Prepared {
@@ -46,7 +48,7 @@ const MOST_PIXELS: u64 = 1 << 28;
 ///
 /// # Errors
 /// What the files' readers say; `Parameter` for names and numbers that cannot be.
-pub fn prepare(recipe: &Recipe, base: &Path) -> Result<Report<Prepared>> {
+pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report<Prepared>> {
     let size = size(recipe)?;
     let samples = recipe.picture.samples.unwrap_or(4);
     let samples = Samples::from_n(samples).ok_or_else(|| impossible("samples", samples, "1, 4 or 16"))?;
@@ -74,7 +76,8 @@ pub fn prepare(recipe: &Recipe, base: &Path) -> Result<Report<Prepared>> {
         Some(name) => Some(source::image(name, base, (None, on_seed(recipe)), &mut mended)?),
     };
     let viewpoint = view.domain(&scene, size).view;
-    let lighting = view::lighting(recipe, &scene, &viewpoint, environment.as_ref())?;
+    let environment = environment.map(|image| Arc::new(Environment::of_panorama(&image, 0.0, workers)));
+    let lighting = view::lighting(recipe, &scene, &viewpoint, environment)?;
     let unlit = recipe.picture.unlit.unwrap_or(false);
     let is_lit = !unlit && looks.looks.iter().any(|l| l.shading != Shading::Unlit);
     let develop = view::develop(recipe, is_lit && !recipe.shows_data(), background)?;

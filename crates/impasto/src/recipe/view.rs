@@ -1,15 +1,16 @@
 //! From where, in which light, before what: cameras, lights and backgrounds of a recipe.
 
-use crate::assets::{Image, Scene, Texels, TextureImage};
-use crate::color::{Encoding, LINEAR_FROM_SRGB8, LinearRgb};
+use crate::assets::Scene;
+use crate::color::LinearRgb;
 use crate::error::{Error, Result};
 use crate::math::{Projection, Size, Vec3, unit_or};
-use crate::picture::{Ambient, Background, Curve, Develop, Light, LightKind, Lighting};
+use crate::picture::{Background, Curve, Develop, Environment, Light, LightKind, Lighting, Reflection};
 use crate::placement::Viewpoint;
 use crate::recipe::words::{choose, choose_or, color, impossible};
 use crate::recipe::{CameraRecipe, LightRecipe, Recipe};
 use crate::visibility::camera::FOV_Y;
 use crate::visibility::{Camera, Direction, Domain};
+use std::sync::Arc;
 
 /// Which of the two directions the surface is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,7 +148,7 @@ pub(super) fn lighting(
     recipe: &Recipe,
     scene: &Scene,
     viewpoint: &Viewpoint,
-    environment: Option<&TextureImage>,
+    environment: Option<Arc<Environment>>,
 ) -> Result<Lighting> {
     let kinds = ["studio", "headlight", "outdoor", "flat", "file"];
     let kind = recipe.picture.light.as_deref().unwrap_or("studio");
@@ -166,14 +167,16 @@ pub(super) fn lighting(
             lighting
         }
     };
-    if let Some(image) = environment {
+    let is_surrounded = environment.is_some();
+    if let Some(environment) = environment {
         lighting.lights.clear();
-        lighting.ambient = Ambient::of_panorama(&linear_panorama(image));
+        lighting.ambient = environment.ambient;
+        lighting.reflection = Reflection::Environment(environment);
     }
     if !recipe.lights.is_empty() || recipe.picture.ambient.is_some() {
         lighting.lights = recipe.lights.iter().map(light).collect::<Result<_>>()?;
         let ambient = recipe.picture.ambient.unwrap_or(0.15);
-        if environment.is_none() {
+        if !is_surrounded {
             let flat = Lighting::flat(ambient);
             (lighting.ambient, lighting.reflection) = (flat.ambient, flat.reflection);
         }
@@ -214,26 +217,6 @@ fn light(recipe: &LightRecipe) -> Result<Light> {
         size: positive("light size", recipe.size.unwrap_or(0.0))?.min(1.0),
         ..Light::new(kind)
     })
-}
-
-/// An image as linear light.
-pub(super) fn linear_panorama(image: &TextureImage) -> Image<[f32; 4]> {
-    let is_srgb = image.encoding == Encoding::Srgb;
-    let curve = |x: f64| if is_srgb { crate::color::linear_from_srgb(x) as f32 } else { x as f32 };
-    match &image.texels {
-        Texels::F32(i) => i.clone(),
-        Texels::U8(i) => Image {
-            size: i.size,
-            texels: i
-                .texels
-                .iter()
-                .map(|t| t.map(|x| if is_srgb { LINEAR_FROM_SRGB8[x as usize] } else { x as f32 / 255.0 }))
-                .collect(),
-        },
-        Texels::U16(i) => {
-            Image { size: i.size, texels: i.texels.iter().map(|t| t.map(|x| curve(x as f64 / 65535.0))).collect() }
-        }
-    }
 }
 
 /// What is seen where no surface is.
