@@ -104,7 +104,7 @@ fn start<S: Simd>(simd: S, look: &Look, points: Points, out: &mut Surfaces) {
     simd.vectorize(
         #[inline(always)]
         || {
-            let n = points.surfels.n;
+            let n = points.surfels.n.min(BATCH);
             let constants = &look.constants;
             out.n = n;
             for (c, lane) in out.color.iter_mut().enumerate() {

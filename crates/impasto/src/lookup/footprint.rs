@@ -39,15 +39,17 @@ fn flat<S: Simd>(simd: S, texture: &ImageTexture, at: &TexCoords, n: usize, out:
     let [w, h] = texel_counts(texture);
     let (w2, h2) = (f32x8::splat(simd, w * w), f32x8::splat(simd, h * h));
     for i in (0..n).step_by(8) {
-        let squared = |lane: &Lane| {
-            let d = f32x8::from_slice(simd, &lane[i..i + 8]);
-            d * d
-        };
-        let dx = squared(&at.d_dx[0]) * w2 + squared(&at.d_dx[1]) * h2;
-        let dy = squared(&at.d_dy[0]) * w2 + squared(&at.d_dy[1]) * h2;
+        let dx = squared(simd, &at.d_dx[0], i) * w2 + squared(simd, &at.d_dx[1], i) * h2;
+        let dy = squared(simd, &at.d_dy[0], i) * w2 + squared(simd, &at.d_dy[1], i) * h2;
         let longer = dx.simd_gt(dy).select(dx, dy);
         half_log2(simd, longer).store_slice(&mut out.level[i..i + 8]);
     }
+}
+
+#[inline(always)]
+fn squared<S: Simd>(simd: S, lane: &Lane, i: usize) -> f32x8<S> {
+    let d = f32x8::from_slice(simd, &lane[i..i + 8]);
+    d * d
 }
 
 /// Texels across and down; a line has no extent down, so changes of t do not count.
@@ -101,30 +103,23 @@ fn around(texture: &ImageTexture, at: &TexCoords, n: usize, out: &mut Footprints
 pub(super) fn anisotropic<S: Simd>(simd: S, texture: &ImageTexture, at: &TexCoords, n: usize, out: &mut Footprints) {
     let [w, h] = texel_counts(texture);
     let max_taps = texture.sampler.max_anisotropy.clamp(1, 16) as f32;
-    let splat = |x: f32| f32x8::splat(simd, x);
-    let (zero, one, huge) = (splat(0.0), splat(1.0), splat(1e15));
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     let h_inverse = if h > 0.0 { 1.0 / h } else { 0.0 };
     for i in (0..n).step_by(8) {
-        // Beyond 1e15 texels (or NaN) the footprint is cut off, so that squares stay finite.
-        let texels = |lane: &Lane, n_texels: f32| {
-            let d = f32x8::from_slice(simd, &lane[i..i + 8]) * splat(n_texels);
-            let d = d.simd_lt(huge).select(d, zero);
-            d.simd_gt(zero - huge).select(d, zero)
-        };
-        let (sx, tx) = (texels(&at.d_dx[0], w), texels(&at.d_dx[1], h));
-        let (sy, ty) = (texels(&at.d_dy[0], w), texels(&at.d_dy[1], h));
+        let (sx, tx) = (texels(simd, &at.d_dx[0], i, w), texels(simd, &at.d_dx[1], i, h));
+        let (sy, ty) = (texels(simd, &at.d_dy[0], i, w), texels(simd, &at.d_dy[1], i, h));
         // The ellipse's matrix J * J^T and its eigenvalues: the squared half axes.
         let (a, b, c) = (sx * sx + sy * sy, sx * tx + sy * ty, tx * tx + ty * ty);
-        let difference = (a - c) * splat(0.5);
+        let difference = (a - c) * splat(simd, 0.5);
         let root = (difference * difference + b * b).sqrt();
-        let mean = (a + c) * splat(0.5);
+        let mean = (a + c) * splat(simd, 0.5);
         let major2 = mean + root;
         let minor2 = mean - root;
         let minor2 = minor2.simd_gt(zero).select(minor2, zero);
         // As many taps as the axes' ratio, rounded up; a footprint within a texel needs one.
         let at_least = minor2.simd_gt(one).select(minor2, one);
         let ratio = (major2 / at_least).sqrt();
-        let ratio = ratio.simd_lt(splat(max_taps)).select(ratio, splat(max_taps));
+        let ratio = ratio.simd_lt(splat(simd, max_taps)).select(ratio, splat(simd, max_taps));
         let down: f32x8<S> = ratio.to_int::<i32x8<S>>().to_float();
         let up = down.simd_lt(ratio).select(down + one, down);
         let n_taps = up.simd_gt(one).select(up, one);
@@ -134,28 +129,41 @@ pub(super) fn anisotropic<S: Simd>(simd: S, texture: &ImageTexture, at: &TexCoor
         let is_wide = a.simd_gt(c);
         let (ex, ey) = (is_wide.select(root + difference, b), is_wide.select(b, root - difference));
         let length2 = ex * ex + ey * ey;
-        let scale = (major2 / length2.simd_gt(splat(1e-30)).select(length2, one)).sqrt();
-        (ex * scale * splat(1.0 / w)).store_slice(&mut out.axis[0][i..i + 8]);
-        (ey * scale * splat(h_inverse)).store_slice(&mut out.axis[1][i..i + 8]);
+        let scale = (major2 / length2.simd_gt(splat(simd, 1e-30)).select(length2, one)).sqrt();
+        (ex * scale * splat(simd, 1.0 / w)).store_slice(&mut out.axis[0][i..i + 8]);
+        (ey * scale * splat(simd, h_inverse)).store_slice(&mut out.axis[1][i..i + 8]);
     }
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, x: f32) -> f32x8<S> {
+    f32x8::splat(simd, x)
+}
+
+/// Eight changes in texels. Beyond 1e15 (or NaN) the footprint is cut off, so that squares stay finite.
+#[inline(always)]
+fn texels<S: Simd>(simd: S, lane: &Lane, i: usize, n_texels: f32) -> f32x8<S> {
+    let (zero, huge) = (splat(simd, 0.0), splat(simd, 1e15));
+    let d = f32x8::from_slice(simd, &lane[i..i + 8]) * splat(simd, n_texels);
+    let d = d.simd_lt(huge).select(d, zero);
+    d.simd_gt(zero - huge).select(d, zero)
 }
 
 /// Half the base-2 logarithm, absolute error below 1e-5; the range of normal floats is kept, NaN counts as tiny.
 #[inline(always)]
 fn half_log2<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
-    let splat = |x: f32| f32x8::splat(simd, x);
-    let x = x.simd_gt(splat(f32::MIN_POSITIVE)).select(x, splat(f32::MIN_POSITIVE));
-    let x = x.simd_lt(splat(f32::MAX)).select(x, splat(f32::MAX));
+    let x = x.simd_gt(splat(simd, f32::MIN_POSITIVE)).select(x, splat(simd, f32::MIN_POSITIVE));
+    let x = x.simd_lt(splat(simd, f32::MAX)).select(x, splat(simd, f32::MAX));
     let bits: u32x8<S> = x.to_bits();
     let exponent: i32x8<S> = (bits >> 23).bitcast();
     let exponent: f32x8<S> = exponent.to_float();
-    let m = f32x8::from_bits((bits & 0x007f_ffff) | 0x3f80_0000) - splat(1.0);
+    let m = f32x8::from_bits((bits & 0x007f_ffff) | 0x3f80_0000) - splat(simd, 1.0);
     // m + m (1 - m) q(m), exact at powers of two.
-    let q = m * splat(LOG2[3]) + splat(LOG2[2]);
-    let q = q * m + splat(LOG2[1]);
-    let q = q * m + splat(LOG2[0]);
-    let log2 = (exponent - splat(127.0)) + (m + (m - m * m) * q);
-    log2 * splat(0.5)
+    let q = m * splat(simd, LOG2[3]) + splat(simd, LOG2[2]);
+    let q = q * m + splat(simd, LOG2[1]);
+    let q = q * m + splat(simd, LOG2[0]);
+    let log2 = (exponent - splat(simd, 127.0)) + (m + (m - m * m) * q);
+    log2 * splat(simd, 0.5)
 }
 const LOG2: [f32; 4] = [0.441_917_01, -0.267_179_14, 0.148_426_07, -0.045_148_67];
 

@@ -132,7 +132,7 @@ fn coordinate_frame(normal: Vec3, points: Points, coords: &TexCoords, i: usize) 
 /// Widens roughness by what maps hide, and turns normals to the side that is seen.
 #[inline(always)]
 pub(super) fn finish(look: &Look, surfels: &Surfels, bumps: &Bumps, out: &mut Surfaces) {
-    let n = surfels.n;
+    let n = surfels.n.min(BATCH);
     for (which, lane) in [&mut out.roughness, &mut out.coat_roughness].into_iter().enumerate() {
         if bumps.is_rough[which] {
             (0..n).for_each(|i| lane[i] = widened(lane[i], bumps.variance[which][i]));

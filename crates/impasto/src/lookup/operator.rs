@@ -16,7 +16,7 @@
 
 use crate::color::LinearRgba;
 use crate::lookup::{BaseFormat, Reading};
-use crate::math::Lane;
+use crate::math::{BATCH, Lane};
 
 /// What a layer does with what it reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,6 +134,8 @@ impl<'a> Gate<'a> {
     /// `lane[i] = f(i, lane[i])` as far as the layer counts.
     #[inline(always)]
     pub(super) fn each(self, n: usize, lane: &mut Lane, f: impl Fn(usize, f32) -> f32) {
+        // Never more; said so that the loops need no bounds checks and become vectors.
+        let n = n.min(BATCH);
         if self.strength == 1.0 && self.applied.is_none() {
             for i in 0..n {
                 lane[i] = f(i, lane[i]);
@@ -231,7 +233,6 @@ fn at_most(x: f32, limit: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::BATCH;
 
     const P: [f32; 4] = [0.5, 0.25, 0.75, 0.5];
     const C: [f32; 4] = [0.125, 1.0, 0.0, 0.75];

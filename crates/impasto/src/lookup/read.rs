@@ -11,7 +11,7 @@ use crate::lookup::packed::{self, Packed};
 use crate::lookup::texture::{ImageTexture, Level, Shape, Store, cube_face, float_from_half};
 use crate::math::{BATCH, Lane, floor};
 use crate::placement::TexCoords;
-use fearless_simd::Simd;
+use fearless_simd::{Simd, SimdBase, SimdInto, f32x4};
 
 /// What a texture says at each point of a batch.
 #[derive(Clone)]
@@ -101,6 +101,8 @@ impl ImageTexture {
     /// Brings s and t into [0, 1].
     #[inline(always)]
     fn fold(&self, at: &TexCoords, n: usize, out: &mut [Lane; 3]) {
+        // Never more; said so that the loops need no bounds checks and become vectors.
+        let n = n.min(BATCH);
         for axis in 0..2 {
             let (from, to) = (&at.st[axis], &mut out[axis]);
             match self.sampler.wrap[axis] {
@@ -147,8 +149,9 @@ impl ImageTexture {
         simd.vectorize(
             #[inline(always)]
             || {
-                let grid = Texels { texels, value: &value, levels: &self.levels, wrap: self.sampler.wrap };
-                for i in 0..n {
+                let grid = Texels { simd, texels, value: &value, levels: &self.levels, wrap: self.sampler.wrap };
+                // Never more; said so that bounds need no check in the loop.
+                for i in 0..n.min(BATCH) {
                     let plan = Plan::new(self, feet.level[i]);
                     let [s, t, r] = [at.st[0][i], at.st[1][i], at.r[0][i]];
                     let rgba = match self.shape {
@@ -158,13 +161,22 @@ impl ImageTexture {
                         }
                         Shape::Volume => {
                             let st = [fold(s, grid.wrap[0]), fold(t, grid.wrap[1]), fold(r, grid.wrap[2])];
-                            grid.mixed(plan, |level, filter| grid.solid(level, filter, st))
+                            grid.mixed(
+                                plan,
+                                #[inline(always)]
+                                |level, filter| grid.solid(level, filter, st),
+                            )
                         }
                         Shape::Cube => {
                             let (face, st) = cube_face([s, t, r].map(finite));
-                            grid.mixed(plan, |level, filter| grid.face(level, filter, face, st))
+                            grid.mixed(
+                                plan,
+                                #[inline(always)]
+                                |level, filter| grid.face(level, filter, face, st),
+                            )
                         }
                     };
+                    let rgba = rgba.as_array();
                     (0..4).for_each(|c| out.rgba[c][i] = rgba[c]);
                 }
             },
@@ -200,77 +212,90 @@ impl Plan {
     /// At or below level 0 a texel covers the cell and the magnification filter counts (OpenGL 4.6, 8.14 and 8.15).
     #[inline(always)]
     fn new(texture: &ImageTexture, level: f32) -> Self {
-        let full = |filter| Self { filter, levels: [0, 0], mix: 0.0 };
         if !(level > 0.0) {
-            return full(texture.sampler.mag);
+            return Self::full(texture.sampler.mag);
         }
         let last = texture.levels.len() - 1;
-        let nearest = |filter| {
-            // Halfway the lower level wins.
-            let l = (-floor(-(level + 0.5)) - 1.0) as usize;
-            Self { filter, levels: [l.min(last); 2], mix: 0.0 }
-        };
-        let two = |filter| {
-            let lower = floor(level);
-            let l = lower as usize;
-            let mix = if l < last { level - lower } else { 0.0 };
-            Self { filter, levels: [l.min(last), (l + 1).min(last)], mix }
-        };
         match texture.sampler.min {
-            MinFilter::Nearest => full(Filter::Nearest),
-            MinFilter::Linear => full(Filter::Linear),
-            MinFilter::NearestMipmapNearest => nearest(Filter::Nearest),
-            MinFilter::LinearMipmapNearest => nearest(Filter::Linear),
-            MinFilter::NearestMipmapLinear => two(Filter::Nearest),
-            MinFilter::LinearMipmapLinear => two(Filter::Linear),
+            MinFilter::Nearest => Self::full(Filter::Nearest),
+            MinFilter::Linear => Self::full(Filter::Linear),
+            MinFilter::NearestMipmapNearest => Self::nearest(Filter::Nearest, level, last),
+            MinFilter::LinearMipmapNearest => Self::nearest(Filter::Linear, level, last),
+            MinFilter::NearestMipmapLinear => Self::two(Filter::Nearest, level, last),
+            MinFilter::LinearMipmapLinear => Self::two(Filter::Linear, level, last),
         }
+    }
+
+    #[inline(always)]
+    fn full(filter: Filter) -> Self {
+        Self { filter, levels: [0, 0], mix: 0.0 }
+    }
+
+    #[inline(always)]
+    fn nearest(filter: Filter, level: f32, last: usize) -> Self {
+        // Halfway the lower level wins.
+        let l = (-floor(-(level + 0.5)) - 1.0) as usize;
+        Self { filter, levels: [l.min(last); 2], mix: 0.0 }
+    }
+
+    #[inline(always)]
+    fn two(filter: Filter, level: f32, last: usize) -> Self {
+        let lower = floor(level);
+        let l = lower as usize;
+        let mix = if l < last { level - lower } else { 0.0 };
+        Self { filter, levels: [l.min(last), (l + 1).min(last)], mix }
     }
 }
 
 /// Texels with what is needed to read them.
-struct Texels<'a, T, F> {
+struct Texels<'a, S: Simd, T, F> {
+    simd: S,
     texels: &'a [T],
     value: F,
     levels: &'a [Level],
     wrap: [Wrap; 3],
 }
 
-impl<T: Copy, F: Fn(T) -> [f32; 4]> Texels<'_, T, F> {
+impl<S: Simd, T: Copy, F: Fn(T) -> [f32; 4]> Texels<'_, S, T, F> {
     /// One tap, or several of equal weight along the axis.
     #[inline(always)]
-    fn taps(&self, plan: Plan, st: [f32; 2], (axis, n_taps): ([f32; 2], f32)) -> [f32; 4] {
-        let tap = |s: f32, t: f32| {
-            let st = [fold(s, self.wrap[0]), fold(t, self.wrap[1])];
-            self.mixed(plan, |level, filter| self.flat(level, filter, st))
-        };
-        if n_taps <= 1.0 {
-            return tap(st[0], st[1]);
-        }
-        let mut sum = [0.0; 4];
+    fn taps(&self, plan: Plan, st: [f32; 2], (axis, n_taps): ([f32; 2], f32)) -> f32x4<S> {
+        let mut sum = f32x4::splat(self.simd, 0.0);
         for k in 0..n_taps as usize {
             let along = (k as f32 + 0.5) / n_taps - 0.5;
-            let rgba = tap(st[0] + axis[0] * along, st[1] + axis[1] * along);
-            (0..4).for_each(|c| sum[c] += rgba[c]);
+            sum += self.tap(plan, [st[0] + axis[0] * along, st[1] + axis[1] * along]);
         }
-        sum.map(|x| x / n_taps)
+        sum / f32x4::splat(self.simd, n_taps)
     }
 
     #[inline(always)]
-    fn mixed(&self, plan: Plan, read: impl Fn(&Level, Filter) -> [f32; 4]) -> [f32; 4] {
-        let fine = read(&self.levels[plan.levels[0]], plan.filter);
-        if plan.mix == 0.0 {
-            return fine;
-        }
-        lerp(fine, read(&self.levels[plan.levels[1]], plan.filter), plan.mix)
+    fn tap(&self, plan: Plan, st: [f32; 2]) -> f32x4<S> {
+        let st = [fold(st[0], self.wrap[0]), fold(st[1], self.wrap[1])];
+        self.mixed(
+            plan,
+            #[inline(always)]
+            |level, filter| self.flat(level, filter, st),
+        )
     }
 
     #[inline(always)]
-    fn flat(&self, level: &Level, filter: Filter, st: [f32; 2]) -> [f32; 4] {
+    fn mixed(&self, plan: Plan, read: impl Fn(&Level, Filter) -> f32x4<S>) -> f32x4<S> {
+        // A loop rather than two calls: what is inlined here is large.
+        let mut both = [f32x4::splat(self.simd, 0.0); 2];
+        let n_levels = if plan.mix == 0.0 { 1 } else { 2 };
+        for l in 0..n_levels {
+            both[l] = read(&self.levels[plan.levels[l]], plan.filter);
+        }
+        if n_levels == 1 { both[0] } else { lerp(both[0], both[1], plan.mix) }
+    }
+
+    #[inline(always)]
+    fn flat(&self, level: &Level, filter: Filter, st: [f32; 2]) -> f32x4<S> {
         let [w, h, _] = level.size;
         match filter {
             Filter::Nearest => {
                 let at = level.offset + nearest(st[1], h) * level.row + nearest(st[0], w);
-                (self.value)(self.texels[at])
+                self.value(at)
             }
             Filter::Linear => {
                 let ((x, u), (y, v)) = (between(st[0], w, self.wrap[0]), between(st[1], h, self.wrap[1]));
@@ -280,13 +305,13 @@ impl<T: Copy, F: Fn(T) -> [f32; 4]> Texels<'_, T, F> {
     }
 
     #[inline(always)]
-    fn solid(&self, level: &Level, filter: Filter, str: [f32; 3]) -> [f32; 4] {
+    fn solid(&self, level: &Level, filter: Filter, str: [f32; 3]) -> f32x4<S> {
         let n = level.size;
         match filter {
             Filter::Nearest => {
                 let at =
                     nearest(str[2], n[2]) * level.slice + nearest(str[1], n[1]) * level.row + nearest(str[0], n[0]);
-                (self.value)(self.texels[level.offset + at])
+                self.value(level.offset + at)
             }
             Filter::Linear => {
                 let [(x, u), (y, v), (z, w)] = [0, 1, 2].map(|a| between(str[a], n[a], self.wrap[a]));
@@ -299,11 +324,11 @@ impl<T: Copy, F: Fn(T) -> [f32; 4]> Texels<'_, T, F> {
 
     /// A cube's face has its neighbours' texels around it: places reach from -1 to n.
     #[inline(always)]
-    fn face(&self, level: &Level, filter: Filter, face: usize, st: [f32; 2]) -> [f32; 4] {
+    fn face(&self, level: &Level, filter: Filter, face: usize, st: [f32; 2]) -> f32x4<S> {
         let n = level.size[0];
         let start = level.offset + face * level.slice;
         match filter {
-            Filter::Nearest => (self.value)(self.texels[start + nearest(st[1], n) * level.row + nearest(st[0], n)]),
+            Filter::Nearest => self.value(start + nearest(st[1], n) * level.row + nearest(st[0], n)),
             Filter::Linear => {
                 let place = |c: f32| {
                     let x = c * n as f32 + 0.5;
@@ -319,18 +344,30 @@ impl<T: Copy, F: Fn(T) -> [f32; 4]> Texels<'_, T, F> {
 
     /// Four texels: at `at`, right of it, and below both.
     #[inline(always)]
-    fn four(&self, at: usize, row: usize, u: f32, v: f32) -> [f32; 4] {
-        let pair = |at: usize| {
-            let [a, b]: [T; 2] = *self.texels[at..at + 2].as_array().expect("two texels");
-            lerp((self.value)(a), (self.value)(b), u)
-        };
-        lerp(pair(at), pair(at + row), v)
+    fn four(&self, at: usize, row: usize, u: f32, v: f32) -> f32x4<S> {
+        lerp(self.pair(at, u), self.pair(at + row, u), v)
+    }
+
+    #[inline(always)]
+    fn pair(&self, at: usize, u: f32) -> f32x4<S> {
+        let [a, b]: [T; 2] = *self.texels[at..at + 2].as_array().expect("two texels");
+        lerp(self.vector((self.value)(a)), self.vector((self.value)(b)), u)
+    }
+
+    #[inline(always)]
+    fn value(&self, at: usize) -> f32x4<S> {
+        self.vector((self.value)(self.texels[at]))
+    }
+
+    #[inline(always)]
+    fn vector(&self, rgba: [f32; 4]) -> f32x4<S> {
+        rgba.simd_into(self.simd)
     }
 }
 
 #[inline(always)]
-fn lerp(a: [f32; 4], b: [f32; 4], t: f32) -> [f32; 4] {
-    std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t)
+fn lerp<S: Simd>(a: f32x4<S>, b: f32x4<S>, t: f32) -> f32x4<S> {
+    a + (b - a) * t
 }
 
 /// A coordinate into [0, 1]; NaN gives 0.

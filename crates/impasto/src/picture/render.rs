@@ -68,7 +68,7 @@ impl Renderer {
 
     /// Rasterizes and shades what [`sort`](Self::sort) prepared. `finish` gets the column and row of the first of a run of
     /// cells, their premultiplied linear light, and their place in `picture`, which has one entry a cell.
-    pub fn shade<T: Send>(
+    pub fn shade<T: Copy + Send>(
         &self,
         domain: &Domain,
         shot: &Shot,
@@ -89,7 +89,7 @@ impl Renderer {
     }
 
     /// Shades an information buffer again, for other textures, lights or layers: only triangles that are seen are looked at.
-    pub fn shade_buffer<T: Send>(
+    pub fn shade_buffer<T: Copy + Send>(
         &self,
         buffer: &InfoBuffer,
         domain: &Domain,
@@ -102,7 +102,7 @@ impl Renderer {
         self.each_tile(domain, shot, workers, picture, finish, |index, shader| shader.shade(&buffer.tiles[index]))
     }
 
-    fn each_tile<T: Send>(
+    fn each_tile<T: Copy + Send>(
         &self,
         domain: &Domain,
         shot: &Shot,
@@ -124,6 +124,7 @@ impl Renderer {
             &mut jobs,
             || Shader::new(domain, shot, workers, &self.rooms),
             |shader, index, job| {
+                job.rows.iter().for_each(|row| fetch(row));
                 shade(index, shader);
                 job.truncated = shader.truncated;
                 let (x, y) = ((index % n_x * TILE) as u32, (index / n_x * TILE) as u32);
@@ -133,6 +134,14 @@ impl Renderer {
             },
         );
         Shortfall { n_truncated_tiles: jobs.iter().filter(|j| j.truncated).count() }
+    }
+}
+
+/// Brings a row into the cache: loads wait for memory side by side, the stores that come later one after the other.
+fn fetch<T: Copy>(row: &[T]) {
+    const LINE: usize = 64;
+    for entry in row.iter().step_by((LINE / size_of::<T>().max(1)).max(1)) {
+        std::hint::black_box(*entry);
     }
 }
 
@@ -192,6 +201,8 @@ struct Room {
     waiting: Vec<Waiting>,
     /// Premultiplied linear light of the tile's cells.
     light: Vec<LinearRgba>,
+    /// Nothing but zeros is in `light`.
+    is_dark: bool,
     /// What gets through to the next layer, for each sample of each cell; empty when nothing transparent was met.
     through: Vec<f32>,
 }
@@ -248,7 +259,10 @@ impl<'a> Shader<'a> {
     /// Fills `light` with what the tile's cells send towards the eye.
     fn shade(&mut self, tile: &Tile) {
         self.truncated = tile.truncated;
-        self.room.light.fill([0.0; 4]);
+        if !self.room.is_dark {
+            self.room.light.fill([0.0; 4]);
+        }
+        self.room.is_dark = !tile.touched;
         if !tile.touched {
             return;
         }

@@ -59,7 +59,7 @@ impl Prepared {
         LightPicture { size: self.size, light, shortfall }
     }
 
-    fn draw<T: Send>(
+    fn draw<T: Copy + Send>(
         &self,
         workers: &Workers,
         progress: &(dyn Fn(f32) + Sync),
