@@ -146,7 +146,11 @@ fn found_text(text: &mut String, f: &Found, prepared: &Prepared) -> Result<()> {
     for (set, uv) in mesh.uv_sets().iter().zip(&f.uv) {
         line(&format!("uv {}", set.name), list(uv))?;
     }
-    for t in &f.texels {
+    for (i, t) in f.texels.iter().enumerate() {
+        // Layers that share a reading are told once.
+        if i > 0 && (&f.texels[i - 1].image, f.texels[i - 1].st) == (&t.image, t.st) {
+            continue;
+        }
         let at = t.texel.map_or("not applied here".into(), |a| format!("texel {}, {} of {}", a.u, a.v, t.size));
         line("texture", format!("{:?}: {at}, st {}", t.image, list(&t.st)))?;
     }

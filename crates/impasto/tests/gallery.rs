@@ -6,7 +6,7 @@
 use impasto::assets::{Image, Texels, image_files};
 use impasto::math::Size;
 use impasto::par::Workers;
-use impasto::recipe::{self, Recipe, output, text};
+use impasto::recipe::{self, Prepared, Recipe, output, text};
 use std::path::{Path, PathBuf};
 
 type Pixels = Image<[u8; 4]>;
@@ -26,17 +26,31 @@ fn recipes() -> Vec<PathBuf> {
     topics.flat_map(|t| entries(&t)).filter(|p| p.extension().is_some_and(|e| e == "toml")).collect()
 }
 
-/// The picture as `impasto run` would write it, decoded again.
-fn draw(path: &Path, workers: &Workers) -> Pixels {
-    let mut recipe: Recipe = text::parse(&std::fs::read_to_string(path).unwrap(), path).unwrap();
-    match recipe.gallery.show.as_deref() {
-        Some("info-texture") => recipe.output.info_texture = Some("a.png".into()),
-        _ => recipe.output.picture = Some("a.png".into()),
+/// A recipe ready to be drawn, by any workers.
+struct Ready {
+    path: PathBuf,
+    recipe: Recipe,
+    prepared: Prepared,
+}
+
+impl Ready {
+    fn new(path: &Path) -> Self {
+        let mut recipe: Recipe = text::parse(&std::fs::read_to_string(path).unwrap(), path).unwrap();
+        match recipe.gallery.show.as_deref() {
+            Some("info-texture") => recipe.output.info_texture = Some("a.png".into()),
+            _ => recipe.output.picture = Some("a.png".into()),
+        }
+        let prepared = recipe::prepare(&recipe, path.parent().unwrap(), &Workers::new(1));
+        let prepared = prepared.unwrap_or_else(|e| panic!("{path:?}: {e}")).value;
+        Self { path: path.into(), recipe, prepared }
     }
-    let base = path.parent().unwrap();
-    let prepared = recipe::prepare(&recipe, base, workers).unwrap_or_else(|e| panic!("{path:?}: {e}"));
-    let (made, _) = output::make(&recipe, &prepared.value, (base, &[]), workers, &|_| ()).unwrap();
-    decode(&made[0].bytes, path)
+
+    /// The picture as `impasto run` would write it, decoded again.
+    fn draw(&self, workers: &Workers) -> Pixels {
+        let base = self.path.parent().unwrap();
+        let (made, _) = output::make(&self.recipe, &self.prepared, (base, &[]), workers, &|_| ()).unwrap();
+        decode(&made[0].bytes, &self.path)
+    }
 }
 
 fn decode(png: &[u8], path: &Path) -> Pixels {
@@ -86,13 +100,12 @@ fn report(wanted: &Pixels, got: &Pixels) -> Pixels {
 fn every_recipe_gives_its_picture_to_the_byte() {
     let update = std::env::var_os("UPDATE_GALLERY").is_some();
     let only = std::env::var("GALLERY").unwrap_or_default();
-    let workers = Workers::new(0);
     let failures = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gallery");
     let mut failed = Vec::new();
     let recipes: Vec<PathBuf> = recipes().into_iter().filter(|p| p.to_string_lossy().contains(&only)).collect();
     assert!(!recipes.is_empty(), "the gallery has recipes");
-    for path in &recipes {
-        let got = draw(path, &workers);
+    let pictures = Workers::new(0).map(recipes.len(), |i| Ready::new(&recipes[i]).draw(&Workers::new(1)));
+    for (path, got) in recipes.iter().zip(pictures) {
         let picture = path.with_extension("png");
         let wanted = std::fs::read(&picture).ok().map(|bytes| decode(&bytes, &picture));
         if wanted.as_ref() == Some(&got) {
@@ -137,14 +150,14 @@ fn threads_and_simd_levels_do_not_change_a_byte() {
         "light/spot.toml",
     ];
     for name in names {
-        let path = gallery().join(name);
-        let wanted = draw(&path, &Workers::new(1));
+        let ready = Ready::new(&gallery().join(name));
+        let wanted = ready.draw(&Workers::new(1));
         for n_threads in [2, 5] {
-            assert_eq!(draw(&path, &Workers::new(n_threads)), wanted, "{name} by {n_threads} threads");
+            assert_eq!(ready.draw(&Workers::new(n_threads)), wanted, "{name} by {n_threads} threads");
         }
         for level in impasto::par::LEVEL_NAMES {
             if let Some(level) = impasto::par::level_by_name(level) {
-                assert_eq!(draw(&path, &Workers::with_level(1, level)), wanted, "{name} by {level:?}");
+                assert_eq!(ready.draw(&Workers::with_level(1, level)), wanted, "{name} by {level:?}");
             }
         }
     }

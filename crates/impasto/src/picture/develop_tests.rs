@@ -1,3 +1,5 @@
+//! Truths about development: bytes come back, curves rise, edges have no fringe, levels agree.
+
 use super::*;
 use crate::color::{LINEAR_FROM_SRGB8, srgb_from_linear};
 use crate::math::{hash, unit_float};

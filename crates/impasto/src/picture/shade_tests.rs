@@ -1,3 +1,5 @@
+//! Truths about shading: energy, reciprocity, and the same bits at every level.
+
 use super::*;
 use crate::math::{BATCH, exact, hash, unit_float, vec3};
 use crate::picture::ambient::spiral;

@@ -182,7 +182,7 @@ fn surface(recipe: &SurfaceRecipe, looks: &mut Looks) -> Result<()> {
 
 fn shading(recipe: &SurfaceRecipe) -> Result<Option<Shading>> {
     let (specular, exponent) = (recipe.specular.unwrap_or(0.35), recipe.exponent.unwrap_or(48.0));
-    if !(specular >= 0.0 && specular < 1e6 && (0.0..=1e6).contains(&exponent)) {
+    if !((0.0..1e6).contains(&specular) && (0.0..=1e6).contains(&exponent)) {
         return Err(impossible("highlight", format!("{specular}, {exponent}"), "strength and exponent are 0 or more"));
     }
     let known = [

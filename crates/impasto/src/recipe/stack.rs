@@ -465,7 +465,7 @@ fn procedural(name: &str, recipe: &LayerRecipe, seed: u32) -> Result<Procedural>
         Some([a, b]) => [color("layer colors", a)?, color("layer colors", b)?],
     };
     let frequency = recipe.frequency.unwrap_or(8.0);
-    if !(frequency.abs() < 1e6) {
+    if frequency.is_nan() || frequency.abs() >= 1e6 {
         return Err(impossible("frequency", frequency, "features in one unit of the coordinate"));
     }
     Ok(Procedural { pattern, frequency: [frequency; 3], colors: [dark, bright], seed })

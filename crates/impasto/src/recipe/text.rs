@@ -42,7 +42,7 @@ pub(super) fn one_line(message: &str) -> String {
 pub fn guess(given: &str, known: &[&str]) -> String {
     let near = known.iter().map(|k| (distance(given, k), k)).min_by_key(|(d, _)| *d);
     match near {
-        Some((d, name)) if d <= 1 + name.len().min(given.len()) / 3 => format!("did you mean `{name}`?"),
+        Some((d, name)) if d <= 1 + name.len().min(given.len()) / 4 => format!("did you mean `{name}`?"),
         _ => format!("known are {}", known.join(", ")),
     }
 }

@@ -186,8 +186,7 @@ pub(super) fn lighting(
 
 fn light(recipe: &LightRecipe) -> Result<Light> {
     let direction = recipe.direction.map_or(Ok(Vec3::new(-0.5, 0.7, 0.5)), |d| finite("light direction", d))?;
-    let position =
-        || recipe.position.map_or(Err(()), Ok).map_err(|()| impossible("light", "point", "it needs a position"));
+    let position = || recipe.position.ok_or_else(|| impossible("light", "point", "it needs a position"));
     let kind = recipe.kind.as_deref().unwrap_or("directional");
     let kind = match choose("light kind", kind, &[("directional", 0), ("point", 1), ("spot", 2), ("headlight", 3)])? {
         0 => LightKind::Directional(unit_or(direction, Vec3::Y)),
@@ -238,11 +237,12 @@ pub(super) fn develop(recipe: &Recipe, is_lit: bool, background: Background) -> 
     let curve =
         choose_or("develop", &recipe.picture.develop, &[("filmic", Curve::Filmic), ("plain", Curve::Plain)], absent)?;
     let exposure = recipe.picture.exposure.unwrap_or(0.0);
-    if !(exposure.abs() <= 30.0) {
+    if exposure.is_nan() || exposure.abs() > 30.0 {
         return Err(impossible("exposure", exposure, "-30 to 30 stops"));
     }
     // Slow gradients would show their steps.
-    let dither = matches!(background, Background::Gradient { .. }) && curve == Curve::Filmic;
+    let is_slow = matches!(background, Background::Gradient { .. }) || recipe.picture.ground == Some(true);
+    let dither = is_slow && curve == Curve::Filmic;
     Ok(Develop { curve, exposure, dither, ..Develop::PLAIN })
 }
 
