@@ -152,7 +152,7 @@ mod tests {
         for (x, wrap, wanted) in [
             (0.0, Repeat, Some(0)),
             (1.0, Repeat, Some(0)),
-            (-0.1, Repeat, Some(9)),
+            (-0.05, Repeat, Some(9)),
             (1.0, ClampToEdge, Some(9)),
             (7.0, ClampToEdge, Some(9)),
             (1.25, MirroredRepeat, Some(7)),

@@ -326,7 +326,7 @@ fn lone(position: Vec3, normal: Vec3) -> (Mesh, Box<Surfels>) {
         surfels.position[k][0] = position[k];
         surfels.normal[k][0] = normal[k];
     }
-    (raw.mend().value, surfels)
+    (raw.trusted(), surfels)
 }
 
 /// The box from -1 to 1.

@@ -102,8 +102,9 @@ fn every_shared_file_gives_a_scene_or_one_line() {
                     m.bounds()
                 );
                 report.mended.iter().for_each(|m| println!("    {m}"));
-                assert!(!m.triangles().is_empty());
-                assert_eq!(m.parts().last().unwrap().triangles.end as usize, m.triangles().len());
+                // What is left of a box with infinite corners may be nothing.
+                assert!(!m.triangles().is_empty() || !report.mended.is_empty());
+                assert_eq!(m.parts().last().map_or(0, |p| p.triangles.end as usize), m.triangles().len());
             }
             Err(e) => {
                 let line = e.to_string();
@@ -373,7 +374,7 @@ fn broken_documents_never_panic() {
             let mut document: Value = serde_json::from_str(&whole).unwrap();
             *document.pointer_mut(place).unwrap() = wrong.clone();
             match parse(&document) {
-                Ok(report) => assert!(!report.value.mesh.triangles().is_empty()),
+                Ok(report) => assert!(!report.value.mesh.triangles().is_empty() || !report.mended.is_empty()),
                 Err(e) => assert!(!e.to_string().contains('\n')),
             }
         }
