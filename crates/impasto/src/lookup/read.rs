@@ -212,7 +212,7 @@ impl Plan {
     /// At or below level 0 a texel covers the cell and the magnification filter counts (OpenGL 4.6, 8.14 and 8.15).
     #[inline(always)]
     fn new(texture: &ImageTexture, level: f32) -> Self {
-        if !(level > 0.0) {
+        if level <= 0.0 || level.is_nan() {
             return Self::full(texture.sampler.mag);
         }
         let last = texture.levels.len() - 1;

@@ -57,7 +57,7 @@ pub fn draws(mesh: &Mesh, looks: &Looks) -> Vec<Draw> {
 pub struct Renderer {
     /// The last view's triangles by tile.
     pub tiles: Tiles,
-    rooms: Mutex<Vec<Box<Room>>>,
+    rooms: Mutex<Vec<Room>>,
 }
 
 impl Renderer {
@@ -245,7 +245,7 @@ pub fn needs(shot: &Shot, look: usize) -> Needs {
 }
 
 impl<'a> Shader<'a> {
-    fn new(domain: &'a Domain<'a>, shot: &'a Shot<'a>, workers: &'a Workers, rooms: &'a Mutex<Vec<Box<Room>>>) -> Self {
+    fn new(domain: &'a Domain<'a>, shot: &'a Shot<'a>, workers: &'a Workers, rooms: &'a Mutex<Vec<Room>>) -> Self {
         let room = rooms.lock().ok().and_then(|mut rooms| rooms.pop()).unwrap_or_default();
         let mut room = Loan { room: Some(room), home: rooms };
         let n_looks = shot.looks.looks.len();
@@ -304,7 +304,7 @@ impl<'a> Shader<'a> {
                 let nothing = first.simd_eq(u32x8::splat(simd, Hit::NOTHING));
                 let mut same = mask32x8::splat(simd, true);
                 for s in 1..n_samples {
-                    same = same & ids(s).simd_eq(first);
+                    same &= ids(s).simd_eq(first);
                 }
                 let within = (1_u32 << (extent[0] - x).min(LANES)) - 1;
                 let same_bits = same.to_bitmask() as u32;
@@ -410,8 +410,8 @@ impl<'a> Shader<'a> {
 
 /// A room on loan: it goes back when the picture is done.
 struct Loan<'a> {
-    room: Option<Box<Room>>,
-    home: &'a Mutex<Vec<Box<Room>>>,
+    room: Option<Room>,
+    home: &'a Mutex<Vec<Room>>,
 }
 
 impl Deref for Loan<'_> {

@@ -10,6 +10,10 @@ use crate::samples::curve::{Curve, place};
 use crate::samples::sheet::{self, Point};
 use std::f64::consts::{FRAC_PI_2, PI};
 
+/// How far towards the back and towards the right the skin is: from the spine's row, the distance along it and the angle
+/// from the back, -pi to pi.
+pub(super) type Section<'a, const K: usize> = dyn Fn(&[f64; K], f64, f64) -> [f64; 2] + 'a;
+
 /// A tube's points, still without a place in the texture.
 pub(super) struct Tube {
     n_around: usize,
@@ -34,9 +38,8 @@ pub(super) struct Sweep<'a, const K: usize> {
     pub(super) caps: [f64; 2],
     /// The back's direction, need not be exactly across the spine: it is made so.
     pub(super) back: &'a dyn Fn(f64) -> DVec3,
-    /// How far towards the back and towards the right the skin is: from the spine's row, the distance along it and the
-    /// angle from the back, -pi to pi.
-    pub(super) section: &'a dyn Fn(&[f64; K], f64, f64) -> [f64; 2],
+    /// The cross-section.
+    pub(super) section: &'a Section<'a, K>,
     /// Length of the triangles' edges along the spine.
     pub(super) edge: f64,
     /// How many points there are around.

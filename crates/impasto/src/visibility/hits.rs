@@ -241,20 +241,8 @@ fn set_up(domain: &Domain, runs: &[Run], surfels: &Surfels, out: &mut SetUps) {
 fn edges<S: Simd>(simd: S, place: [i32; 2], runs: &[Run], set_ups: &SetUps, surfels: &mut Surfels, sum: &mut Lane) {
     for (i, run) in runs.iter().enumerate() {
         let splat = |lane: &Lane| f32x8::splat(simd, lane[i]);
-        let (a, b, c) = (
-            set_ups.a.each_ref().each(
-                #[inline(always)]
-                |l| splat(l),
-            ),
-            set_ups.b.each_ref().each(
-                #[inline(always)]
-                |l| splat(l),
-            ),
-            set_ups.c.each_ref().each(
-                #[inline(always)]
-                |l| splat(l),
-            ),
-        );
+        let (a, b, c) =
+            (set_ups.a.each_ref().each(splat), set_ups.b.each_ref().each(splat), set_ups.c.each_ref().each(splat));
         for at in run.vectors() {
             let local = kernel(
                 #[inline(always)]

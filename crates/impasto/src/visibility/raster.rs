@@ -288,7 +288,7 @@ impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
             let column = (self.origin[0] as i32 + x) as u32;
             let row = self.origin[1] + y as u32;
             let bits = test(id & !TESTED, column, row, pass.to_bitmask() as u32, self.place);
-            pass = pass & mask32x8::from_bitmask(simd, bits as u64);
+            pass &= mask32x8::from_bitmask(simd, bits as u64);
         }
         let new = pass.select(z, old);
         new.store_array(depths);
@@ -347,8 +347,8 @@ impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
             for k in 0..3 {
                 let (e, a, b) = edges[k];
                 let at = blocks[k] + i32x8::splat(simd, e + b * by);
-                most = most | (at + i32x8::splat(simd, (a.max(0) + b.max(0)) * reach));
-                least = least | (at + i32x8::splat(simd, (a.min(0) + b.min(0)) * reach));
+                most |= at + i32x8::splat(simd, (a.max(0) + b.max(0)) * reach);
+                least |= at + i32x8::splat(simd, (a.min(0) + b.min(0)) * reach);
             }
             let zero = i32x8::splat(simd, 0);
             let whole = least.simd_ge(zero).to_bitmask() as u32;
