@@ -17,7 +17,7 @@ include!(concat!(env!("OUT_DIR"), "/gallery_recipes.rs"));
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   impasto gallery
-  impasto gallery --out /tmp/gallery --size 1600x1200
+  impasto gallery --out pictures --size 1600x1200
   impasto gallery --only filters")]
 pub(crate) struct Args {
     /// Where to.
