@@ -1,7 +1,7 @@
 //! Every recipe of the gallery gives the bytes of its picture.
 //!
 //! `UPDATE_GALLERY=1` rewrites the pictures that differ, and the run still fails, so that somebody looks at them.
-//! A failure leaves `wanted | difference | got` in target/tmp/gallery.
+//! A failure leaves `wanted | difference | got` in the folder `gallery` of cargo's own folder for test output.
 
 use impasto::assets::{Image, Texels, image_files};
 use impasto::math::Size;
