@@ -131,7 +131,7 @@ fn each_row<T: Send>(
                 surfels.triangle[i] = *triangle;
             }
             // Any level gives the same bits, and this is no hot path.
-            visibility::fill(Fallback::new(), domain, needs, [128, 128], &mut surfels);
+            visibility::fill(Fallback::new(), domain, needs, &visibility::CENTER, &mut surfels);
             take(&surfels, &mut out);
         }
         (seen.iter().map(|(x, _)| *x).collect(), out)

@@ -143,7 +143,7 @@ fn find(domain: &Domain, shot: &Shot, cell: [u32; 2], (triangle, depth): (u32, f
     let mut surfaces = Surfaces::new();
     // Any level gives the same bits; for one point the scalar one does.
     let simd = Fallback::new();
-    visibility::fill(simd, domain, everything, [128, 128], &mut surfels);
+    visibility::fill(simd, domain, everything, &visibility::CENTER, &mut surfels);
     let points = Points { mesh, view: &domain.view, surfels: &surfels };
     lookup::evaluate(simd, (shot.looks, look_index), points, &mut scratch, &mut surfaces);
 

@@ -7,12 +7,13 @@
 use crate::assets::{AlphaMode, Mesh, Part};
 use crate::color::LinearRgba;
 use crate::lookup::{self, Looks, Points, Shading, Surfaces};
-use crate::math::{BATCH, Lane, kernel};
+use crate::math::{BATCH, Lane};
 use crate::par::Workers;
 use crate::picture::{self, Lighting};
 use crate::placement::{Needs, Surfels, TexCoords};
 use crate::visibility::{
-    self, AlphaTest, BATCH_FILL, Domain, Draw, Faces, Hit, InfoBuffer, Kind, Samples, TILE, Tile, Tiles, tile::Layer,
+    self, AlphaTest, BATCH_FILL, CENTER, Domain, Draw, Faces, Hit, InfoBuffer, Kind, Places, Samples, TILE, Tile, Tiles,
+    tile::Layer,
 };
 use fearless_simd::{dispatch, mask32x8, prelude::*, u32x8};
 use std::ops::{Deref, DerefMut};
@@ -78,9 +79,7 @@ impl Renderer {
     ) -> Shortfall {
         self.each_tile(domain, shot, workers, picture, finish, |index, shader| {
             let Room { tile, alpha, .. } = &mut *shader.room;
-            let mut test = |id, column, row, bits, place| {
-                alpha_test((domain, shot, workers), alpha, id, [column, row], bits, place)
-            };
+            let mut test = |id, places: &Places| alpha_test((domain, shot, workers), alpha, id, places);
             self.tiles.rasterize(index, Some(&mut test as &mut AlphaTest), workers, tile);
             let tile = std::mem::take(tile);
             shader.shade(&tile);
@@ -149,9 +148,7 @@ fn fetch<T: Copy>(row: &[T]) {
 pub fn info_buffer(domain: &Domain, shot: &Shot, workers: &Workers) -> InfoBuffer {
     let test = || -> Box<AlphaTest> {
         let mut room = None;
-        Box::new(move |id, column, row, bits, place| {
-            alpha_test((domain, shot, workers), &mut room, id, [column, row], bits, place)
-        })
+        Box::new(move |id, places| alpha_test((domain, shot, workers), &mut room, id, places))
     };
     InfoBuffer::build(domain, &draws(domain.mesh, shot.looks), shot.samples, Some(&test), workers)
 }
@@ -277,7 +274,11 @@ impl<'a> Shader<'a> {
     }
 
     fn layer(&mut self, tile: &Tile, layer: &Layer) {
-        dispatch!(self.workers.level(), simd => self.gather(simd, tile, layer));
+        dispatch!(self.workers.level(), simd => match self.shot.samples {
+            Samples::One => self.gather::<_, 1>(simd, tile, layer),
+            Samples::Four => self.gather::<_, 4>(simd, tile, layer),
+            Samples::Sixteen => self.gather::<_, 16>(simd, tile, layer),
+        });
         for look in 0..self.room.waiting.len() {
             self.flush(tile, look);
         }
@@ -285,9 +286,7 @@ impl<'a> Shader<'a> {
 
     /// Sorts a layer's cells by look: eight at a time those that show one triangle in all samples, one by one the others.
     #[inline(always)]
-    fn gather<S: Simd>(&mut self, simd: S, tile: &Tile, layer: &Layer) {
-        let n_samples = self.shot.samples.n();
-        let every = (1 << n_samples) - 1;
+    fn gather<S: Simd, const N: usize>(&mut self, simd: S, tile: &Tile, layer: &Layer) {
         let mut parts = PartCursor::new(self.domain.mesh, self.shot.looks);
         let only_look = parts.only_look();
         let (one_look, look) = (only_look.is_some(), only_look.unwrap_or(0));
@@ -296,19 +295,24 @@ impl<'a> Shader<'a> {
         for y in 0..extent[1] {
             for x in (0..extent[0]).step_by(LANES) {
                 let cell = y * TILE + x;
-                let ids = kernel(
-                    #[inline(always)]
-                    |s: usize| u32x8::from_slice(simd, &layer.ids[s * TILE * TILE + cell..][..LANES]),
-                );
-                let first = ids(0);
-                let nothing = first.simd_eq(u32x8::splat(simd, Hit::NOTHING));
-                let mut same = mask32x8::splat(simd, true);
-                for s in 1..n_samples {
-                    same &= ids(s).simd_eq(first);
-                }
+                let ids = &layer.ids[cell * N..][..LANES * N];
+                let (first, same) = if N == 1 {
+                    (u32x8::from_slice(simd, ids), 0xff)
+                } else if is_nothing(simd, ids) {
+                    continue;
+                } else {
+                    let mut first = [0; LANES];
+                    let mut same = 0;
+                    for (lane, ids) in ids.as_chunks::<N>().0.iter().enumerate() {
+                        first[lane] = ids[0];
+                        let differences = ids.iter().fold(0, |bits, id| bits | (id ^ ids[0]));
+                        same |= ((differences == 0) as u32) << lane;
+                    }
+                    (u32x8::load_array_ref(simd, &first), same)
+                };
+                let something = !(first.simd_eq(u32x8::splat(simd, Hit::NOTHING)).to_bitmask() as u32);
                 let within = (1_u32 << (extent[0] - x).min(LANES)) - 1;
-                let same_bits = same.to_bitmask() as u32;
-                let whole = same_bits & !(nothing.to_bitmask() as u32) & within;
+                let whole = same & something & within;
                 if whole != 0 && one_look {
                     if !self.room.waiting[look].has_room() {
                         self.flush(tile, look);
@@ -319,10 +323,10 @@ impl<'a> Shader<'a> {
                     first.compress(keep).store_slice(&mut waiting.triangle[n..n + LANES]);
                     let cells = columns + u32x8::splat(simd, cell as u32);
                     cells.compress(keep).store_slice(&mut waiting.cell[n..n + LANES]);
-                    u32x8::splat(simd, every).store_slice(&mut waiting.samples[n..n + LANES]);
+                    u32x8::splat(simd, (1 << N) - 1).store_slice(&mut waiting.samples[n..n + LANES]);
                     waiting.n += whole.count_ones() as usize;
                 }
-                let mut rest = if one_look { !same_bits & within } else { !same_bits & within | whole };
+                let mut rest = if one_look { !same & within } else { !same & within | whole };
                 while rest != 0 {
                     self.split(tile, layer, cell + rest.trailing_zeros() as usize, &mut parts);
                     rest &= rest - 1;
@@ -334,11 +338,11 @@ impl<'a> Shader<'a> {
     /// The distinct triangles among one cell's samples.
     fn split(&mut self, tile: &Tile, layer: &Layer, cell: usize, parts: &mut PartCursor) {
         let n_samples = self.shot.samples.n();
-        let at = |s: usize| layer.ids[s * TILE * TILE + cell];
+        let ids = &layer.ids[cell * n_samples..][..n_samples];
         let mut left: u32 = (1 << n_samples) - 1;
         while left != 0 {
-            let triangle = at(left.trailing_zeros() as usize);
-            let samples = (0..n_samples).fold(0, |bits, s| bits | ((at(s) == triangle) as u32) << s);
+            let triangle = ids[left.trailing_zeros() as usize];
+            let samples = ids.iter().rev().fold(0, |bits, &id| bits << 1 | (id == triangle) as u32);
             left &= !samples;
             if triangle != Hit::NOTHING {
                 let look = parts.look(triangle);
@@ -396,7 +400,7 @@ impl<'a> Shader<'a> {
             } else {
                 let mut weight = 0.0;
                 for s in (0..n_samples).filter(|s| samples >> s & 1 == 1) {
-                    let through = &mut through[s * TILE * TILE + index];
+                    let through = &mut through[index * n_samples + s];
                     weight += *through * alpha;
                     *through *= 1.0 - alpha;
                 }
@@ -439,7 +443,7 @@ impl Drop for Loan<'_> {
 #[inline(always)]
 fn look_and_light<S: Simd>(simd: S, domain: &Domain, shot: &Shot, look: usize, needs: Needs, batch: &mut Batch) {
     let Batch { surfels, surfaces, scratch, light } = batch;
-    visibility::fill(simd, domain, needs, [128, 128], surfels);
+    visibility::fill(simd, domain, needs, &CENTER, surfels);
     let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
     lookup::evaluate(simd, (shot.looks, look), points, scratch, surfaces);
     let shading = if shot.unlit { Shading::Unlit } else { shot.looks.looks[look].shading };
@@ -477,14 +481,19 @@ impl<'a> PartCursor<'a> {
     }
 }
 
-/// In which of up to eight cells of a row (bits, from `column`) a triangle is there.
+/// Whether ids of whole vectors are [`Hit::NOTHING`] all.
+#[inline(always)]
+fn is_nothing<S: Simd>(simd: S, ids: &[u32]) -> bool {
+    let all = u32x8::splat(simd, Hit::NOTHING);
+    ids.as_chunks::<LANES>().0.iter().fold(all, |all, ids| all & u32x8::load_array_ref(simd, ids)).simd_eq(all).all_true()
+}
+
+/// At which of up to eight places of a row (bits) a triangle is there.
 fn alpha_test(
     (domain, shot, workers): (&Domain, &Shot, &Workers),
     room: &mut Option<Box<Batch>>,
     triangle: u32,
-    [column, row]: [u32; 2],
-    bits: u32,
-    place: [i32; 2],
+    places: &Places,
 ) -> u32 {
     let look = PartCursor::new(domain.mesh, shot.looks).look(triangle);
     let cutoff = match shot.looks.looks[look].alpha_mode {
@@ -495,19 +504,21 @@ fn alpha_test(
     let Batch { surfels, surfaces, scratch, .. } = &mut **room.get_or_insert_default();
     surfels.uv.resize(domain.mesh.uv_sets().len(), TexCoords::ZERO);
     surfels.n = 0;
-    for lane in (0..8).filter(|l| bits >> l & 1 == 1) {
-        surfels.cell[0][surfels.n] = column + lane;
-        surfels.cell[1][surfels.n] = row;
+    let lanes = || (0..8).filter(|lane| places.bits >> lane & 1 == 1);
+    let mut within = CENTER;
+    for lane in lanes() {
+        surfels.cell[0][surfels.n] = places.column[lane];
+        surfels.cell[1][surfels.n] = places.row;
         surfels.triangle[surfels.n] = triangle;
+        (0..2).for_each(|axis| within[axis][surfels.n] = places.within[lane][axis] as f32 * (1.0 / 256.0));
         surfels.n += 1;
     }
     let needs = shot.looks.looks[look].needs();
     let alpha = &mut surfaces.alpha;
     dispatch!(workers.level(), simd => {
-        visibility::fill(simd, domain, needs, place, surfels);
+        visibility::fill(simd, domain, needs, &within, surfels);
         let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
         lookup::alpha_of(simd, (shot.looks, look), points, scratch, alpha);
     });
-    let lanes = (0..8).filter(|l| bits >> l & 1 == 1);
-    lanes.enumerate().filter(|(i, _)| alpha[*i] >= cutoff).fold(0, |kept, (_, lane)| kept | 1 << lane)
+    lanes().enumerate().filter(|(i, _)| alpha[*i] >= cutoff).fold(0, |kept, (_, lane)| kept | 1 << lane)
 }

@@ -42,12 +42,18 @@ struct SetUps {
     side: Lane,
 }
 
-/// Derives the lanes that `needs` asks for from `cell`, `triangle` and `n`. `place` is where in their cells they look, in
-/// 1/256 of a cell. `n` is at most [`BATCH_FILL`].
+/// Where in their cells points look: across and down, cells, by lane. A batch of more than eight repeats them.
+pub type Place = [[f32; N]; 2];
+
+/// In the middle.
+pub const CENTER: Place = [[0.5; N]; 2];
+
+/// Derives the lanes that `needs` asks for from `cell`, `triangle` and `n`, where points look at a `place` in their cells
+/// ([`CENTER`], or for a batch of one triangle and up to eight cells of a row: anywhere). `n` is at most [`BATCH_FILL`].
 ///
 /// An answer depends on its own cell and triangle only, not on its neighbours in the batch.
 #[inline(always)]
-pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: [i32; 2], surfels: &mut Surfels) {
+pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: &Place, surfels: &mut Surfels) {
     assert!(surfels.n <= BATCH_FILL, "a batch is filled with at most {BATCH_FILL} points");
     let mut runs = [Run { start: 0, end: 0, triangle: 0 }; BATCH];
     let n_runs = find_runs(simd, surfels, &mut runs);
@@ -238,7 +244,7 @@ fn set_up(domain: &Domain, runs: &[Run], surfels: &Surfels, out: &mut SetUps) {
 
 /// Evaluates edge functions: the second and third corner's into `barycentric`, the sum into `sum`.
 #[inline(always)]
-fn edges<S: Simd>(simd: S, place: [i32; 2], runs: &[Run], set_ups: &SetUps, surfels: &mut Surfels, sum: &mut Lane) {
+fn edges<S: Simd>(simd: S, place: &Place, runs: &[Run], set_ups: &SetUps, surfels: &mut Surfels, sum: &mut Lane) {
     for (i, run) in runs.iter().enumerate() {
         let splat = |lane: &Lane| f32x8::splat(simd, lane[i]);
         let (a, b, c) =
@@ -249,7 +255,7 @@ fn edges<S: Simd>(simd: S, place: [i32; 2], runs: &[Run], set_ups: &SetUps, surf
                 |k: usize| {
                     let cell =
                         u32x8::from_slice(simd, &surfels.cell[k][at..at + N]) & u32x8::splat(simd, TILE as u32 - 1);
-                    cells_to_float(simd, cell, place[k])
+                    cells_to_float(simd, cell, &place[k])
                 },
             );
             let (x, y) = (local(0), local(1));
@@ -265,11 +271,11 @@ fn edges<S: Simd>(simd: S, place: [i32; 2], runs: &[Run], set_ups: &SetUps, surf
     }
 }
 
-/// Whole cells plus a place within them, 1/256 each: exact in f32.
+/// Whole cells plus a place within them, a multiple of 1/256: exact in f32.
 #[inline(always)]
-fn cells_to_float<S: Simd>(simd: S, cells: u32x8<S>, place: i32) -> f32x8<S> {
+fn cells_to_float<S: Simd>(simd: S, cells: u32x8<S>, place: &[f32; N]) -> f32x8<S> {
     let cells: i32x8<S> = cells.bitcast();
-    cells.to_float::<f32x8<S>>() + f32x8::splat(simd, place as f32 * (1.0 / 256.0))
+    cells.to_float::<f32x8<S>>() + f32x8::load_array_ref(simd, place)
 }
 
 /// Edge functions to barycentrics within the triangle; the sum's inverse replaces the sum.
@@ -357,12 +363,12 @@ fn uv<S: Simd>(
 
 /// Unit vectors towards the eye.
 #[inline(always)]
-fn view<S: Simd>(simd: S, domain: &Domain, place: [i32; 2], surfels: &mut Surfels) {
+fn view<S: Simd>(simd: S, domain: &Domain, place: &Place, surfels: &mut Surfels) {
     let [d, dx, dy]: [Vec3; 3] = domain.sight;
     for i in (0..surfels.n).step_by(N) {
         let coordinate = kernel(
             #[inline(always)]
-            |k: usize| cells_to_float(simd, u32x8::from_slice(simd, &surfels.cell[k][i..i + N]), place[k]),
+            |k: usize| cells_to_float(simd, u32x8::from_slice(simd, &surfels.cell[k][i..i + N]), &place[k]),
         );
         let (x, y) = (coordinate(0), coordinate(1));
         for k in 0..3 {

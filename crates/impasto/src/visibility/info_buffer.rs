@@ -62,8 +62,8 @@ impl InfoBuffer {
     pub fn at(&self, column: u32, row: u32) -> (u32, f32) {
         let [n_x, _] = n_tiles(self.size);
         let tile = &self.tiles[row as usize / TILE * n_x + column as usize / TILE];
-        let cell = row as usize % TILE * TILE + column as usize % TILE;
-        (tile.solid.ids[cell], tile.solid.depths[cell])
+        let at = (row as usize % TILE * TILE + column as usize % TILE) * self.samples.n();
+        (tile.solid.ids[at], tile.solid.depths[at])
     }
 
     /// One number a cell of the first sample, in rows from the top: triangle ids.

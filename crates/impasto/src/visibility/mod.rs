@@ -15,9 +15,9 @@ pub mod tile;
 pub use atlas::Atlas;
 pub use camera::{Camera, Direction};
 pub use domain::Domain;
-pub use hits::{BATCH_FILL, fill};
+pub use hits::{BATCH_FILL, CENTER, Place, fill};
 pub use info_buffer::{Hit, InfoBuffer};
-pub use tile::{AlphaTest, Draw, Faces, Kind, Samples, TILE, Tile, Tiles};
+pub use tile::{AlphaTest, Draw, Faces, Kind, Places, Samples, TILE, Tile, Tiles};
 
 #[cfg(test)]
 mod tests;

@@ -3,79 +3,80 @@
 //! Edge functions after Pineda, "A Parallel Algorithm for Polygon Rasterization", 1988, in exact integers: a place that
 //! lies on an edge belongs to the triangle for which it is a top or a left edge, so neighbours share an edge without gap
 //! or overlap. Depth is a plane through the corners, rounded the same way in all paths. Ties go to the first triangle.
+//!
+//! Samples of a cell stand side by side, so a vector of eight holds a row of cells at one sample, two cells at four, half a
+//! cell at sixteen: a triangle is set up once, however many places are looked at.
 
 use super::Hit;
 use super::bin::{Record, STEPS, TESTED};
-use super::tile::{AlphaTest, Layer, TILE, TILE_CELLS};
+use super::tile::{AlphaTest, Layer, Places, Samples, TILE, TILE_CELLS};
 use crate::math::{Each, kernel};
 use fearless_simd::{f32x8, i32x8, mask32x8, prelude::*, u32x8};
 
-/// Cells along the side of a block, and lanes of a vector.
+/// Cells along the side of a block.
 const BLOCK: i32 = 8;
 const SIDE: i32 = TILE as i32;
 /// Triangles whose box is at most this wide and high take the path without blocks.
 const SMALL: i32 = 16;
+/// Lanes of a vector.
+const LANES: usize = 8;
 
-/// Writes the nearest of `lists`' triangles into every sample.
+/// Writes the nearest of `lists`' triangles into every sample: those behind the layer `before`, if there is one, and before
+/// what `layer`'s depths hold already. Coplanar triangles follow each other by their ids.
 #[inline(always)]
 pub(super) fn nearest<S: Simd>(
     simd: S,
     lists: &[&[Record]],
-    places: &[[i32; 2]],
+    samples: Samples,
     origin: [u32; 2],
-    mut test: Option<&mut AlphaTest>,
-    layer: &mut Layer,
-) {
-    for (sample, &place) in places.iter().enumerate() {
-        let mut pass = Pass::<'_, '_, S, false>::new(simd, place, origin, test.as_deref_mut(), layer, sample, None);
-        lists.iter().for_each(|list| pass.draw(list));
-    }
-}
-
-/// Writes the nearest triangles behind `before` (all, if there is none) and before what `layer`'s depths hold already.
-/// Returns whether there was any. Coplanar triangles follow each other by their ids.
-#[inline(always)]
-pub(super) fn next_layer<S: Simd>(
-    simd: S,
-    lists: &[&[Record]],
-    places: &[[i32; 2]],
-    origin: [u32; 2],
-    mut test: Option<&mut AlphaTest>,
+    test: Option<&mut AlphaTest>,
     before: Option<&Layer>,
     layer: &mut Layer,
-) -> bool {
-    for (sample, &place) in places.iter().enumerate() {
-        match before {
-            None => {
-                let mut pass =
-                    Pass::<'_, '_, S, false>::new(simd, place, origin, test.as_deref_mut(), layer, sample, None);
-                lists.iter().for_each(|list| pass.draw(list));
-            }
-            Some(before) => {
-                let mut pass =
-                    Pass::<'_, '_, S, true>::new(simd, place, origin, test.as_deref_mut(), layer, sample, Some(before));
-                lists.iter().for_each(|list| pass.draw(list));
-            }
-        }
+) {
+    // Each in a function of its own: together they are more than compilers digest.
+    match samples {
+        Samples::One => simd.vectorize(
+            #[inline(always)]
+            || Pass::<'_, '_, S, 1>::new(simd, samples, origin, test, before, layer).draw(lists),
+        ),
+        Samples::Four => simd.vectorize(
+            #[inline(always)]
+            || Pass::<'_, '_, S, 4>::new(simd, samples, origin, test, before, layer).draw(lists),
+        ),
+        Samples::Sixteen => simd.vectorize(
+            #[inline(always)]
+            || Pass::<'_, '_, S, 16>::new(simd, samples, origin, test, before, layer).draw(lists),
+        ),
     }
-    layer.ids.iter().any(|&id| id != Hit::NOTHING)
 }
 
-/// One sample place of a tile while triangles are drawn into it.
-struct Pass<'a, 'f, S: Simd, const PEEL: bool> {
+/// A tile with `N` samples a cell while triangles are drawn into it.
+struct Pass<'a, 'f, S: Simd, const N: usize> {
     simd: S,
-    place: [i32; 2],
     origin: [u32; 2],
+    /// The tile's corner, 1/256 of a cell.
+    corner: [i32; 2],
     test: Option<&'a mut AlphaTest<'f>>,
-    ids: &'a mut [u32; TILE_CELLS],
-    depths: &'a mut [f32; TILE_CELLS],
-    /// The layer before this one.
-    before: Option<(&'a [u32; TILE_CELLS], &'a [f32; TILE_CELLS])>,
+    ids: &'a mut [u32],
+    depths: &'a mut [f32],
+    /// Ids and depths of the layer before this one.
+    before: Option<(&'a [u32], &'a [f32])>,
     /// A lower bound of the depths in each 8 x 8 block.
     farthest: [f32; TILE_CELLS / 64],
-    /// 0..8 as floats.
-    lanes: f32x8<S>,
-    lanes_i: i32x8<S>,
+    /// Triangles drawn into parts of each block since.
+    n_drawn: [u32; TILE_CELLS / 64],
+    /// Where in a cell the samples are, 1/256.
+    offsets: &'static [[i32; 2]],
+    /// The least and the greatest of them, across and down.
+    reach: [[i32; 2]; 2],
+    /// Lanes' places from the first cell of their group, 1/256 of a cell; for each vector of a group.
+    places: [[i32x8<S>; 2]; 2],
+    /// The same in cells.
+    distances: [[f32x8<S>; 2]; 2],
+    /// Lanes' cells within their group.
+    cells: i32x8<S>,
+    /// 0..8.
+    lanes: i32x8<S>,
 }
 
 /// Depth over a triangle: `depth0 + gy * dy + gx * dx` from its first corner, within the corners' range.
@@ -92,9 +93,11 @@ struct Plane {
 
 impl Plane {
     #[inline(always)]
-    fn new(r: &Record, area: i64) -> Self {
-        let (dx1, dy1) = ((r.x[1] - r.x[0]) as f64, (r.y[1] - r.y[0]) as f64);
-        let (dx2, dy2) = ((r.x[2] - r.x[0]) as f64, (r.y[2] - r.y[0]) as f64);
+    fn new(r: &Record) -> Self {
+        let (dx1, dy1) = ((r.x[1] - r.x[0]) as i64, (r.y[1] - r.y[0]) as i64);
+        let (dx2, dy2) = ((r.x[2] - r.x[0]) as i64, (r.y[2] - r.y[0]) as i64);
+        let area = dx1 * dy2 - dx2 * dy1;
+        let (dx1, dy1, dx2, dy2) = (dx1 as f64, dy1 as f64, dx2 as f64, dy2 as f64);
         let (d1, d2) = ((r.depth[1] - r.depth[0]) as f64, (r.depth[2] - r.depth[0]) as f64);
         let scale = STEPS as f64 / area as f64;
         let [a, b, c] = r.depth;
@@ -111,31 +114,24 @@ impl Plane {
         }
     }
 
-    /// The part of a row, at a place's y in 1/256 of a cell.
+    /// Cells from the first corner to a place in 1/256 of a cell: exact in f32, at most 24 bits.
     #[inline(always)]
-    fn row(&self, y: i32) -> f32 {
-        self.depth0 + self.gy * ((y - self.y0) as f32 * (1.0 / STEPS as f32))
+    fn distance(&self, x: i32, y: i32) -> [f32; 2] {
+        [(x - self.x0) as f32 * (1.0 / STEPS as f32), (y - self.y0) as f32 * (1.0 / STEPS as f32)]
     }
 
-    /// The distance of a place's x from the first corner, cells.
+    /// The nearest depth in a box of places: an exact bound, since rounding is monotonic.
     #[inline(always)]
-    fn dx(&self, x: i32) -> f32 {
-        (x - self.x0) as f32 * (1.0 / STEPS as f32)
-    }
-
-    /// The nearest depth at the corners of a block of places: an exact bound, since rounding is monotonic.
-    #[inline(always)]
-    fn nearest(&self, x: i32, y: i32) -> f32 {
-        let far = (BLOCK - 1) * STEPS;
-        let (px, py) = (if self.gx > 0.0 { x + far } else { x }, if self.gy > 0.0 { y + far } else { y });
-        let z = self.row(py) + self.gx * self.dx(px);
+    fn nearest(&self, x: [i32; 2], y: [i32; 2]) -> f32 {
+        let [dx, dy] = self.distance(x[(self.gx > 0.0) as usize], y[(self.gy > 0.0) as usize]);
+        let z = self.depth0 + self.gy * dy + self.gx * dx;
         let z = if z > self.min { z } else { self.min };
         if z < self.max { z } else { self.max }
     }
 }
 
 /// The edge function of corner `i` to the next: `e + a * column + b * row` at a tile's cells, in 1/256 of a square cell,
-/// rounded down after the bias of the fill rule: inside where not negative.
+/// inside where not negative.
 #[derive(Clone, Copy)]
 struct Edge {
     a: i32,
@@ -144,90 +140,135 @@ struct Edge {
 }
 
 impl Edge {
-    /// At the sample place of the cell at (`x`, `y`), given in 1/256 of a cell.
+    /// At a place in 1/256 of a cell, after the bias of the fill rule.
     #[inline(always)]
-    fn new(r: &Record, i: usize, x: i32, y: i32) -> Self {
+    fn new(r: &Record, i: usize, [x, y]: [i32; 2]) -> Self {
         let j = if i == 2 { 0 } else { i + 1 };
         let (dx, dy) = (r.x[j] - r.x[i], r.y[j] - r.y[i]);
         // The inside is on the right of the edge as y points down: dx * py - dy * px > 0.
         let e = dx as i64 * (y - r.y[i]) as i64 - dy as i64 * (x - r.x[i]) as i64;
-        // A left edge goes up, a top edge goes right.
-        let owns = dy < 0 || (dy == 0 && dx > 0);
-        Self { a: -dy, b: dx, e: e - !owns as i64 }
+        Self { a: -dy, b: dx, e: e - !owns(dx, dy) as i64 }
+    }
+
+    /// At another place, rounded down: all steps of whole cells are multiples of 256, so every sign stays exact.
+    #[inline(always)]
+    fn at(&self, [x, y]: [i32; 2]) -> i64 {
+        (self.e + self.a as i64 * x as i64 + self.b as i64 * y as i64) >> 8
     }
 }
 
-impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
+/// Whether a triangle owns the places on an edge: a left edge goes up, a top edge goes right.
+#[inline(always)]
+fn owns(dx: i32, dy: i32) -> bool {
+    dy < 0 || (dy == 0 && dx > 0)
+}
+
+impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
+    /// Cells of a group: what its vectors hold.
+    const GROUP: i32 = if N < LANES { (LANES / N) as i32 } else { 1 };
+    /// Groups across a block, and rows of a block that eight groups fill.
+    const ACROSS: i32 = BLOCK / Self::GROUP;
+    const ROWS: i32 = LANES as i32 / Self::ACROSS;
+    /// Vectors of a group.
+    const VECTORS: usize = if N < LANES { 1 } else { N / LANES };
+
     #[inline(always)]
     fn new(
         simd: S,
-        place: [i32; 2],
+        samples: Samples,
         origin: [u32; 2],
         test: Option<&'a mut AlphaTest<'f>>,
-        layer: &'a mut Layer,
-        sample: usize,
         before: Option<&'a Layer>,
+        layer: &'a mut Layer,
     ) -> Self {
-        let range = sample * TILE_CELLS..(sample + 1) * TILE_CELLS;
-        let ids: &mut [u32; TILE_CELLS] = (&mut layer.ids[range.clone()]).try_into().expect("a sample's ids");
-        let depths: &mut [f32; TILE_CELLS] = (&mut layer.depths[range.clone()]).try_into().expect("a sample's depths");
-        let before = before.map(|b| {
-            let ids: &[u32; TILE_CELLS] = b.ids[range.clone()].try_into().expect("a sample's ids");
-            let depths: &[f32; TILE_CELLS] = b.depths[range.clone()].try_into().expect("a sample's depths");
-            (ids, depths)
+        let offsets = samples.offsets();
+        let reach = kernel(|k: usize| {
+            let of = |pick: fn(i32, i32) -> i32| offsets.iter().map(|o| o[k]).reduce(pick).expect("a sample");
+            [of(i32::min), of(i32::max)]
         });
-        let lanes = f32x8::from_fn(simd, |i| i as f32);
-        let lanes_i = i32x8::from_fn(simd, |i| i as i32);
-        Self { simd, place, origin, test, ids, depths, before, farthest: [0.0; TILE_CELLS / 64], lanes, lanes_i }
+        let places = kernel(|v: usize| {
+            [0, 1].each(|k| {
+                i32x8::from_fn(simd, |lane| {
+                    let across = if k == 0 { (lane / N) as i32 * STEPS } else { 0 };
+                    across + offsets[(v * LANES + lane) % N][k]
+                })
+            })
+        });
+        let places = [places(0), places(Self::VECTORS - 1)];
+        let distances = places.each(|p| p.each(|p| p.to_float::<f32x8<S>>() * (1.0 / STEPS as f32)));
+        let n = TILE_CELLS * N;
+        Self {
+            simd,
+            origin,
+            corner: origin.each(|o| o as i32 * STEPS),
+            test,
+            ids: &mut layer.ids[..n],
+            depths: &mut layer.depths[..n],
+            before: before.map(|b| (&b.ids[..n], &b.depths[..n])),
+            farthest: [0.0; TILE_CELLS / 64],
+            n_drawn: [0; TILE_CELLS / 64],
+            offsets,
+            reach: [reach(0), reach(1)],
+            places,
+            distances,
+            cells: i32x8::from_fn(simd, |lane| (lane / N) as i32),
+            lanes: i32x8::from_fn(simd, |lane| lane as i32),
+        }
     }
 
     #[inline(always)]
-    fn draw(&mut self, list: &[Record]) {
-        // Coordinates of the sample place of the tile's first cell.
-        let ox = self.origin[0] as i32 * STEPS + self.place[0];
-        let oy = self.origin[1] as i32 * STEPS + self.place[1];
-        for r in list {
+    fn draw(&mut self, lists: &[&[Record]]) {
+        let [ox, oy] = self.corner;
+        let [[x_least, x_most], [y_least, y_most]] = self.reach;
+        for r in lists.iter().copied().flatten() {
             let min = |v: [i32; 3]| v[0].min(v[1]).min(v[2]);
             let max = |v: [i32; 3]| v[0].max(v[1]).max(v[2]);
-            // Columns and rows of cells whose places lie in the box, relative to the tile.
-            let x0 = (min(r.x) - ox + STEPS - 1) >> 8;
-            let x1 = (max(r.x) - ox) >> 8;
-            let y0 = (min(r.y) - oy + STEPS - 1) >> 8;
-            let y1 = (max(r.y) - oy) >> 8;
-            let (cx0, cx1) = (x0.max(0), x1.min(SIDE - 1));
-            let (cy0, cy1) = (y0.max(0), y1.min(SIDE - 1));
-            if cx0 > cx1 || cy0 > cy1 {
+            // Columns and rows of cells with places in the box, relative to the tile.
+            let x0 = (min(r.x) - ox - x_most + STEPS - 1) >> 8;
+            let x1 = (max(r.x) - ox - x_least) >> 8;
+            let y0 = (min(r.y) - oy - y_most + STEPS - 1) >> 8;
+            let y1 = (max(r.y) - oy - y_least) >> 8;
+            let columns = [x0.max(0), x1.min(SIDE - 1)];
+            let rows = [y0.max(0), y1.min(SIDE - 1)];
+            if columns[0] > columns[1] || rows[0] > rows[1] {
                 continue;
             }
             if x1 - x0 < SMALL && y1 - y0 < SMALL {
-                self.small(r, [cx0, cx1], [cy0, cy1], ox, oy);
+                self.small(r, columns, rows);
             } else {
-                self.large(r, [cx0, cx1], [cy0, cy1], ox, oy);
+                self.large(r, columns, rows);
             }
         }
     }
 
-    /// A triangle whose box is small enough for 32 bits: rows of eight cells.
+    /// A triangle whose box is small enough for 32 bits: row by row.
     #[inline(always)]
-    fn small(&mut self, r: &Record, [x0, x1]: [i32; 2], [y0, y1]: [i32; 2], ox: i32, oy: i32) {
+    fn small(&mut self, r: &Record, [x0, x1]: [i32; 2], [y0, y1]: [i32; 2]) {
         let simd = self.simd;
-        // Groups of eight cells that never leave the tile's row.
-        let first = x0.min(SIDE - BLOCK);
-        let (px, py) = (ox + first * STEPS, oy + y0 * STEPS);
+        // Groups that never leave the tile's row.
+        let first = if N == 1 { x0.min(SIDE - Self::GROUP) } else { x0 & -Self::GROUP };
+        let (px, py) = (self.corner[0] + first * STEPS, self.corner[1] + y0 * STEPS);
         let edge = kernel(
             #[inline(always)]
             |i: usize, j: usize| {
                 let (dx, dy) = (r.x[j] - r.x[i], r.y[j] - r.y[i]);
-                let owns = dy < 0 || (dy == 0 && dx > 0);
-                let e = dx * (py - r.y[i]) - dy * (px - r.x[i]) - !owns as i32;
-                (e, -dy * STEPS, dx * STEPS)
+                (dx * (py - r.y[i]) - dy * (px - r.x[i]) - !owns(dx, dy) as i32, -dy, dx)
             },
         );
         let edges = [edge(0, 1), edge(1, 2), edge(2, 0)];
-        let slope = edges.each(
+        let lanes = kernel(
             #[inline(always)]
-            |(_, a, _)| self.lanes_i * i32x8::splat(simd, a),
+            |vector: usize| {
+                edges.each(
+                    #[inline(always)]
+                    |(_, a, b)| {
+                        let [x, y] = self.places[vector];
+                        x * i32x8::splat(simd, a) + y * i32x8::splat(simd, b)
+                    },
+                )
+            },
         );
+        let lanes = [lanes(0), if Self::VECTORS > 1 { lanes(1) } else { lanes(0) }];
         let mut plane = None;
         let mut e_row = edges.each(
             #[inline(always)]
@@ -236,46 +277,49 @@ impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
         for y in y0..=y1 {
             let mut x = first;
             loop {
-                let step = x - first;
-                let at = kernel(
+                let e = [0, 1, 2].each(
                     #[inline(always)]
-                    |k: usize| slope[k] + i32x8::splat(simd, e_row[k] + edges[k].1 * step),
+                    |k: usize| e_row[k] + edges[k].1 * ((x - first) * STEPS),
                 );
-                let inside = (at(0) | at(1) | at(2)).simd_ge(i32x8::splat(simd, 0));
-                if inside.any_true() {
-                    let plane = plane.get_or_insert_with(|| {
-                        let area = (r.x[1] - r.x[0]) as i64 * (r.y[2] - r.y[0]) as i64
-                            - (r.x[2] - r.x[0]) as i64 * (r.y[1] - r.y[0]) as i64;
-                        Plane::new(r, area)
-                    });
-                    self.write(r.id, plane, x, y, ox, oy, inside);
+                for vector in 0..Self::VECTORS {
+                    let at = kernel(
+                        #[inline(always)]
+                        |k: usize| lanes[vector][k] + i32x8::splat(simd, e[k]),
+                    );
+                    let inside = (at(0) | at(1) | at(2)).simd_ge(i32x8::splat(simd, 0));
+                    if inside.any_true() {
+                        let plane = plane.get_or_insert_with(
+                            #[inline(always)]
+                            || Plane::new(r),
+                        );
+                        self.write(r.id, plane, x, y, vector, inside);
+                    }
                 }
-                x += BLOCK;
+                x += Self::GROUP;
                 if x > x1 {
                     break;
                 }
                 // The last group may overlap the one before: what is drawn twice does not pass the depth test again.
-                x = x.min(SIDE - BLOCK);
+                x = x.min(SIDE - Self::GROUP);
             }
             for k in 0..3 {
-                e_row[k] = e_row[k].wrapping_add(edges[k].2);
+                e_row[k] += edges[k].2 * STEPS;
             }
         }
     }
 
-    /// Depth-tests and writes the cells `inside` of eight in a row. Returns the depths now there.
+    /// Depth-tests and writes the samples `inside` of a vector. Returns the depths now there.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "the innermost step of both paths, inlined into them")]
-    fn write(&mut self, id: u32, plane: &Plane, x: i32, y: i32, ox: i32, oy: i32, inside: mask32x8<S>) -> f32x8<S> {
+    fn write(&mut self, id: u32, plane: &Plane, x: i32, y: i32, vector: usize, inside: mask32x8<S>) -> f32x8<S> {
         let simd = self.simd;
-        let cell = (y * SIDE + x) as usize;
-        let z = self.depth(plane, x, y, ox, oy);
-        let depths: &mut [f32; 8] = (&mut self.depths[cell..cell + 8]).try_into().expect("eight cells");
+        let at = (y * SIDE + x) as usize * N + vector * LANES;
+        let z = self.depth(plane, x, y, vector);
+        let depths: &mut [f32; LANES] = (&mut self.depths[at..at + LANES]).try_into().expect("eight samples");
         let old = f32x8::load_array_ref(simd, depths);
         let mut pass = inside & z.simd_gt(old);
-        if PEEL && let Some((ids, depths)) = self.before {
+        if let Some((ids, depths)) = self.before {
             // Behind the layer before, or at the same depth and later in order.
-            let (ids, depths) = (&ids[cell..cell + 8], &depths[cell..cell + 8]);
+            let (ids, depths) = (&ids[at..at + LANES], &depths[at..at + LANES]);
             let (b_id, b_z) = (u32x8::from_slice(simd, ids), f32x8::from_slice(simd, depths));
             let none = b_id.simd_eq(u32x8::splat(simd, Hit::NOTHING));
             let later = z.simd_eq(b_z) & u32x8::splat(simd, id & !TESTED).simd_gt(b_id);
@@ -285,27 +329,36 @@ impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
             && let Some(test) = &mut self.test
             && pass.any_true()
         {
-            let column = (self.origin[0] as i32 + x) as u32;
-            let row = self.origin[1] + y as u32;
-            let bits = test(id & !TESTED, column, row, pass.to_bitmask() as u32, self.place);
+            let (column, row) = (self.origin[0] + x as u32, self.origin[1] + y as u32);
+            let bits = test(
+                id & !TESTED,
+                &Places {
+                    row,
+                    column: std::array::from_fn(|lane| column + (lane / N) as u32),
+                    within: std::array::from_fn(|lane| self.offsets[(vector * LANES + lane) % N]),
+                    bits: pass.to_bitmask() as u32,
+                },
+            );
             pass &= mask32x8::from_bitmask(simd, bits as u64);
         }
         let new = pass.select(z, old);
         new.store_array(depths);
-        let ids: &mut [u32; 8] = (&mut self.ids[cell..cell + 8]).try_into().expect("eight cells");
+        let ids: &mut [u32; LANES] = (&mut self.ids[at..at + LANES]).try_into().expect("eight samples");
         let old_ids = u32x8::load_array_ref(simd, ids);
         pass.select(u32x8::splat(simd, id & !TESTED), old_ids).store_array(ids);
         new
     }
 
-    /// Depths of eight cells in a row; the one expression that all bounds rely on.
+    /// Depths of a vector of samples; the one expression that all bounds rely on.
     #[inline(always)]
-    fn depth(&self, plane: &Plane, x: i32, y: i32, ox: i32, oy: i32) -> f32x8<S> {
+    fn depth(&self, plane: &Plane, x: i32, y: i32, vector: usize) -> f32x8<S> {
         let simd = self.simd;
-        let row = plane.row(oy + y * STEPS);
-        // Distances are exact in f32: at most 24 bits.
-        let dx = self.lanes + f32x8::splat(simd, plane.dx(ox + x * STEPS));
-        let z = f32x8::splat(simd, row) + f32x8::splat(simd, plane.gx) * dx;
+        let [ox, oy] = self.corner;
+        let [dx, dy] = plane.distance(ox + x * STEPS, oy + y * STEPS);
+        let [lane_x, lane_y] = self.distances[vector];
+        let (dx, dy) = (lane_x + f32x8::splat(simd, dx), lane_y + f32x8::splat(simd, dy));
+        let row = f32x8::splat(simd, plane.depth0) + f32x8::splat(simd, plane.gy) * dy;
+        let z = row + f32x8::splat(simd, plane.gx) * dx;
         let (lo, hi) = (f32x8::splat(simd, plane.min), f32x8::splat(simd, plane.max));
         let z = z.simd_gt(lo).select(z, lo);
         z.simd_lt(hi).select(z, hi)
@@ -313,42 +366,80 @@ impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
 
     /// A triangle of any size: blocks of 8 x 8 cells, refused or accepted whole where possible.
     #[inline(always)]
-    fn large(&mut self, r: &Record, [x0, x1]: [i32; 2], [y0, y1]: [i32; 2], ox: i32, oy: i32) {
+    fn large(&mut self, r: &Record, [x0, x1]: [i32; 2], [y0, y1]: [i32; 2]) {
         let simd = self.simd;
-        let area =
-            (r.x[1] - r.x[0]) as i64 * (r.y[2] - r.y[0]) as i64 - (r.x[2] - r.x[0]) as i64 * (r.y[1] - r.y[0]) as i64;
-        let mut edges = [(0, 0, 0); 3];
-        for (i, edge) in edges.iter_mut().enumerate() {
-            let Edge { a, b, e } = Edge::new(r, i, ox, oy);
-            // Extremes over the tile's cells; 256 divides all steps, so shifting keeps every sign exactly.
-            let (e, reach) = (e >> 8, (SIDE - 1) as i64);
-            let most = e + (a.max(0) as i64 + b.max(0) as i64) * reach;
-            let least = e + (a.min(0) as i64 + b.min(0) as i64) * reach;
-            if most < 0 {
+        let mut edges = [(0, 0); 3];
+        // The edge functions' least and greatest value in the tile's first cell, and their values there by sample.
+        let mut bounds = [[0; 2]; 3];
+        let mut values = [[0; 16]; 3];
+        for i in 0..3 {
+            let edge = Edge::new(r, i, self.corner);
+            let mut at = [0; 16];
+            for s in 0..N {
+                at[s] = edge.at(self.offsets[s]);
+            }
+            let (lo, hi) = at[1..N].iter().fold((at[0], at[0]), |(lo, hi), &e| (lo.min(e), hi.max(e)));
+            let reach = (SIDE - 1) as i64;
+            let (a, b) = (edge.a as i64, edge.b as i64);
+            if hi + (a.max(0) + b.max(0)) * reach < 0 {
                 return;
             }
             // An edge that crosses the tile fits 32 bits; one that accepts the tile whole does not matter any more.
-            *edge = if least >= 0 { (0, 0, 0) } else { (e as i32, a, b) };
+            if lo + (a.min(0) + b.min(0)) * reach < 0 {
+                edges[i] = (edge.a, edge.b);
+                bounds[i] = [lo as i32, hi as i32];
+                for s in 0..N {
+                    values[i][s] = at[s] as i32;
+                }
+            }
         }
-        let plane = Plane::new(r, area);
-        let reach = BLOCK - 1;
-        let lane = edges.each(
+        let plane = Plane::new(r);
+        let lanes = kernel(
             #[inline(always)]
-            |(_, a, _)| self.lanes_i * i32x8::splat(simd, a),
+            |vector: usize| {
+                [0, 1, 2].each(
+                    #[inline(always)]
+                    |k: usize| {
+                        let mut lanes = [0; LANES];
+                        (0..LANES).for_each(|lane| lanes[lane] = values[k][(vector * LANES + lane) % N]);
+                        i32x8::load_array_ref(simd, &lanes) + self.cells * i32x8::splat(simd, edges[k].0)
+                    },
+                )
+            },
         );
+        let lanes = [lanes(0), if Self::VECTORS > 1 { lanes(1) } else { lanes(0) }];
         let blocks = edges.each(
             #[inline(always)]
-            |(_, a, _)| self.lanes_i * i32x8::splat(simd, a * BLOCK),
+            |(a, _)| self.lanes * i32x8::splat(simd, a * BLOCK),
+        );
+        let groups = edges.each(
+            #[inline(always)]
+            |(a, b)| {
+                let mut groups = [0; LANES];
+                for (i, group) in (0..).zip(&mut groups) {
+                    *group = a * (i % Self::ACROSS * Self::GROUP) + b * (i / Self::ACROSS);
+                }
+                i32x8::load_array_ref(simd, &groups)
+            },
+        );
+        let reach = BLOCK - 1;
+        let (corner, sample_reach) = (self.corner, self.reach);
+        let places = kernel(
+            #[inline(always)]
+            |axis: usize, cell: i32| {
+                let first = corner[axis] + cell * STEPS;
+                [first + sample_reach[axis][0], first + reach * STEPS + sample_reach[axis][1]]
+            },
         );
         for by in (y0 & !(BLOCK - 1)..=y1).step_by(BLOCK as usize) {
-            // Eight blocks at a time: which may hold a cell, which are inside whole?
+            // Eight blocks at a time: which may hold a place, which are inside whole?
             let mut most = i32x8::splat(simd, 0);
             let mut least = i32x8::splat(simd, 0);
             for k in 0..3 {
-                let (e, a, b) = edges[k];
-                let at = blocks[k] + i32x8::splat(simd, e + b * by);
-                most |= at + i32x8::splat(simd, (a.max(0) + b.max(0)) * reach);
-                least |= at + i32x8::splat(simd, (a.min(0) + b.min(0)) * reach);
+                let (a, b) = edges[k];
+                let at = blocks[k] + i32x8::splat(simd, b * by);
+                most |= at + i32x8::splat(simd, bounds[k][1] + (a.max(0) + b.max(0)) * reach);
+                least |= at + i32x8::splat(simd, bounds[k][0] + (a.min(0) + b.min(0)) * reach);
             }
             let zero = i32x8::splat(simd, 0);
             let whole = least.simd_ge(zero).to_bitmask() as u32;
@@ -359,32 +450,69 @@ impl<'a, 'f, S: Simd, const PEEL: bool> Pass<'a, 'f, S, PEEL> {
                 todo &= todo - 1;
                 let bx = column as i32 * BLOCK;
                 let block = (by / BLOCK * (SIDE / BLOCK)) as usize + column as usize;
-                if plane.nearest(ox + bx * STEPS, oy + by * STEPS) <= self.farthest[block] {
+                if plane.nearest(places(0, bx), places(1, by)) <= self.farthest(block, bx, by) {
                     continue;
                 }
-                let mut farthest = f32x8::splat(simd, f32::INFINITY);
                 if whole >> column & 1 == 1 {
+                    let mut farthest = f32x8::splat(simd, f32::INFINITY);
                     let all = mask32x8::splat(simd, true);
                     for y in by..by + BLOCK {
-                        let now = self.write(r.id, &plane, bx, y, ox, oy, all);
-                        farthest = now.simd_lt(farthest).select(now, farthest);
+                        for x in (bx..bx + BLOCK).step_by(Self::GROUP as usize) {
+                            for vector in 0..Self::VECTORS {
+                                let now = self.write(r.id, &plane, x, y, vector, all);
+                                farthest = now.simd_lt(farthest).select(now, farthest);
+                            }
+                        }
                     }
-                } else {
-                    for y in by..by + BLOCK {
-                        let at = kernel(
-                            #[inline(always)]
-                            |k: usize| {
-                                let (e, a, b) = edges[k];
-                                lane[k] + i32x8::splat(simd, e + a * bx + b * y)
-                            },
-                        );
-                        let inside = (at(0) | at(1) | at(2)).simd_ge(zero);
-                        let now = self.write(r.id, &plane, bx, y, ox, oy, inside);
-                        farthest = now.simd_lt(farthest).select(now, farthest);
+                    self.farthest[block] = farthest.reduce_min_precise();
+                    continue;
+                }
+                self.n_drawn[block] += 1;
+                // Eight groups at a time: which may hold a place? The bound stays low, until somebody looks.
+                for top in (by..by + BLOCK).step_by(Self::ROWS as usize) {
+                    let mut most = i32x8::splat(simd, 0);
+                    for k in 0..3 {
+                        let (a, b) = edges[k];
+                        let rise = a.max(0) * (Self::GROUP - 1);
+                        most |= groups[k] + i32x8::splat(simd, bounds[k][1] + rise + a * bx + b * top);
+                    }
+                    let mut some = most.simd_ge(zero).to_bitmask() as u32;
+                    while some != 0 {
+                        let group = some.trailing_zeros() as i32;
+                        some &= some - 1;
+                        let (x, y) = (bx + group % Self::ACROSS * Self::GROUP, top + group / Self::ACROSS);
+                        for vector in 0..Self::VECTORS {
+                            let at = kernel(
+                                #[inline(always)]
+                                |k: usize| {
+                                    let (a, b) = edges[k];
+                                    lanes[vector][k] + i32x8::splat(simd, a * x + b * y)
+                                },
+                            );
+                            let inside = (at(0) | at(1) | at(2)).simd_ge(zero);
+                            self.write(r.id, &plane, x, y, vector, inside);
+                        }
                     }
                 }
-                self.farthest[block] = farthest.reduce_min_precise();
             }
         }
+    }
+
+    /// A lower bound of a block's depths: looked for anew when some triangles were drawn since it was.
+    #[inline(always)]
+    fn farthest(&mut self, block: usize, bx: i32, by: i32) -> f32 {
+        if self.n_drawn[block] >= 2 {
+            self.n_drawn[block] = 0;
+            let mut farthest = f32x8::splat(self.simd, f32::INFINITY);
+            for y in by..by + BLOCK {
+                let row = (y * SIDE + bx) as usize * N;
+                for depths in self.depths[row..row + BLOCK as usize * N].as_chunks::<LANES>().0 {
+                    let depths = f32x8::load_array_ref(self.simd, depths);
+                    farthest = depths.simd_lt(farthest).select(depths, farthest);
+                }
+            }
+            self.farthest[block] = farthest.reduce_min_precise();
+        }
+        self.farthest[block]
     }
 }

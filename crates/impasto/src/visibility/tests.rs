@@ -149,7 +149,7 @@ fn coverage_equals_the_definition_on_random_triangles_of_all_sizes() {
                 for (cell, wanted) in wanted.iter().enumerate() {
                     let (x, y) = (cell % 150, cell / 150);
                     let tile = &buffer.tiles[y / TILE * 3 + x / TILE];
-                    let got = tile.solid.ids[s * TILE * TILE + y % TILE * TILE + x % TILE];
+                    let got = tile.solid.ids[(y % TILE * TILE + x % TILE) * samples.n() + s];
                     assert_eq!(got, *wanted, "extent {extent}, sample {s} of {samples:?}, cell {x} {y}");
                 }
             }
@@ -252,7 +252,7 @@ fn filled(domain: &Domain, buffer: &InfoBuffer, level: Level, cells: &[(u32, u32
         surfels.triangle[surfels.n] = buffer.at(x, y).0;
         surfels.n += 1;
     }
-    dispatch!(level, simd => fill(simd, domain, needs, [128, 128], &mut surfels));
+    dispatch!(level, simd => fill(simd, domain, needs, &CENTER, &mut surfels));
     surfels
 }
 
@@ -322,8 +322,9 @@ fn every_thread_count_and_simd_level_gives_the_same_buffer() {
     for samples in [Samples::One, Samples::Four, Samples::Sixteen] {
         // A triangle with holes: every third cell.
         let test = || -> Box<AlphaTest> {
-            Box::new(|_, column, _, bits, _| {
-                (0..8).filter(|b| !(column + b).is_multiple_of(3)).fold(0, |m, b| m | 1 << b) & bits
+            Box::new(|_, places| {
+                let kept = (0..8).filter(|&b| !places.column[b].is_multiple_of(3));
+                kept.fold(0, |bits, b| bits | 1 << b) & places.bits
             })
         };
         let build = |n_threads, level| {

@@ -110,14 +110,25 @@ impl Samples {
     }
 }
 
-/// Says for a run of up to eight cells of one row, starting at a column and row of the grid, in which of them (bits) a
-/// triangle is there at a place within the cell (1/256): `test(triangle, column, row, bits, place) -> bits`.
-pub type AlphaTest<'a> = dyn FnMut(u32, u32, u32, u32, [i32; 2]) -> u32 + 'a;
+/// Up to eight places in a row of cells.
+pub struct Places {
+    /// The cells' row.
+    pub row: u32,
+    /// The cells' columns.
+    pub column: [u32; 8],
+    /// Where in their cells the places are, 1/256 across and down.
+    pub within: [[i32; 2]; 8],
+    /// Which of the eight are asked about.
+    pub bits: u32,
+}
 
-/// One layer of a tile: for each sample, an id and a depth for each of 64 x 64 cells in rows.
+/// Says at which of the places (bits) a triangle is there: `test(triangle, places) -> bits`.
+pub type AlphaTest<'a> = dyn FnMut(u32, &Places) -> u32 + 'a;
+
+/// One layer of a tile: an id and a depth for each sample of 64 x 64 cells in rows, a cell's samples side by side.
 #[derive(Clone, Default)]
 pub struct Layer {
-    /// Triangle ids, `samples * TILE * TILE`; [`super::Hit::NOTHING`] where nothing is.
+    /// Triangle ids, `TILE * TILE * samples`; [`super::Hit::NOTHING`] where nothing is.
     pub ids: Vec<u32>,
     /// Depths, likewise; 0 where nothing is, larger is nearer.
     pub depths: Vec<f32>,
@@ -183,19 +194,22 @@ impl Tiles {
         tile.origin = [(index % n_x * TILE) as u32, (index / n_x * TILE) as u32];
         tile.extent =
             [(self.size.width - tile.origin[0]).min(TILE as u32), (self.size.height - tile.origin[1]).min(TILE as u32)];
-        let offsets = self.samples.offsets();
+        let samples = self.samples;
         let solid: Vec<&[Record]> = self.bins.solid(index);
         let layered: Vec<&[Record]> = self.bins.layered(index);
         tile.touched = solid.iter().chain(&layered).any(|l| !l.is_empty());
         tile.n_layers = 0;
         tile.truncated = false;
-        tile.solid.reset(offsets.len());
+        tile.solid.reset(samples.n());
         if !tile.touched {
             return;
         }
         let origin = tile.origin;
-        dispatch!(workers.level(), simd =>
-            raster::nearest(simd, &solid, offsets, origin, test.as_deref_mut(), &mut tile.solid));
+        let mut draw = |lists: &[&[Record]], before: Option<&Layer>, layer: &mut Layer| {
+            let test = test.as_deref_mut();
+            dispatch!(workers.level(), simd => raster::nearest(simd, lists, samples, origin, test, before, layer));
+        };
+        draw(&solid, None, &mut tile.solid);
         while !layered.is_empty() && layered.iter().any(|l| !l.is_empty()) {
             if tile.n_layers == MAX_LAYERS {
                 tile.truncated = true;
@@ -206,11 +220,10 @@ impl Tiles {
             }
             let (before, rest) = tile.layers.split_at_mut(tile.n_layers);
             let layer = &mut rest[0];
-            layer.reset(offsets.len());
+            layer.reset(samples.n());
             layer.depths.copy_from_slice(&tile.solid.depths);
-            let any = dispatch!(workers.level(), simd =>
-                raster::next_layer(simd, &layered, offsets, origin, test.as_deref_mut(), before.last(), layer));
-            if !any {
+            draw(&layered, before.last(), layer);
+            if layer.ids.iter().all(|&id| id == super::Hit::NOTHING) {
                 break;
             }
             tile.n_layers += 1;
