@@ -24,7 +24,7 @@ struct Cli {
     /// Threads to use; 0 is one a core. Pictures do not depend on it.
     #[arg(long, global = true, default_value_t = 0, value_name = "N")]
     threads: usize,
-    /// SIMD level to use: scalar, sse2, sse4.2, avx2, avx512. Pictures do not depend on it.
+    /// SIMD level to use: scalar, sse2, avx2, avx512. Pictures do not depend on it.
     #[arg(long, global = true, hide = true, value_name = "LEVEL")]
     simd: Option<String>,
 }

@@ -1,7 +1,8 @@
 //! Values that several commands take.
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use impasto::math::Size;
+use impasto::recipe::layer::Numbers;
 use impasto::recipe::{LayerRecipe, Recipe};
 
 /// WIDTHxHEIGHT.
@@ -17,13 +18,6 @@ fn triple(text: &str) -> Result<[f32; 3], String> {
     let numbers: Vec<f32> =
         text.split(',').filter_map(|s| s.trim().parse().ok()).filter(|x: &f32| x.is_finite()).collect();
     numbers.try_into().map_err(|_| "write three numbers, such as 1,2.5,-3".into())
-}
-
-/// A,B.
-fn pair(text: &str) -> Result<[f64; 2], String> {
-    let numbers: Vec<f64> =
-        text.split(',').filter_map(|s| s.trim().parse().ok()).filter(|x: &f64| x.is_finite()).collect();
-    numbers.try_into().map_err(|_| "write two numbers, such as 0,100".into())
 }
 
 fn layer(text: &str) -> Result<LayerRecipe, String> {
@@ -97,15 +91,70 @@ pub(crate) struct Look {
     /// A picture of a lit ball that gives colour and light at once.
     #[arg(long, value_name = "IMAGE", help_heading = "Surface")]
     matcap: Option<String>,
-    /// Colours for the values of a field; `impasto info FILE` names them.
-    #[arg(long, value_name = "FIELD", help_heading = "Surface")]
+    /// Colours for the values of a field: NAME, NAME.x, NAME.mag, NAME@faces; `impasto info FILE` names them.
+    #[arg(long, value_name = "FIELD", help_heading = "Data")]
     color_by: Option<String>,
-    /// The colour table: viridis, grey or coolwarm.
-    #[arg(long, value_name = "NAME", requires = "color_by", help_heading = "Surface")]
+    /// The colour table; an unknown name lists them.
+    #[arg(long, value_name = "NAME", requires = "color_by", help_heading = "Data")]
     table: Option<String>,
-    /// The values at the table's ends; absent: the field's own.
-    #[arg(long, value_name = "LEAST,GREATEST", value_parser = pair, allow_hyphen_values = true, requires = "color_by", help_heading = "Surface")]
-    range: Option<[f64; 2]>,
+    /// The values at the table's ends, LEAST,GREATEST, or percentiles like 2%,98%; absent: the field's own.
+    #[arg(long, value_name = "RANGE", allow_hyphen_values = true, requires = "color_by", help_heading = "Data")]
+    range: Option<String>,
+    /// Widen the range so that this value is in its middle.
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true, requires = "color_by", help_heading = "Data")]
+    center: Option<f64>,
+    /// linear, log or symlog.
+    #[arg(long, value_name = "SCALE", requires = "color_by", help_heading = "Data")]
+    scale: Option<String>,
+    /// As many colours, each over an equal part of the scale.
+    #[arg(long, value_name = "N", requires = "color_by", help_heading = "Data")]
+    bands: Option<u32>,
+    /// The table from its end.
+    #[arg(long, requires = "color_by", help_heading = "Data")]
+    reverse: bool,
+    /// Colours of values below the range, above it, and of missing values.
+    #[arg(long, value_name = "BELOW,ABOVE,MISSING", requires = "color_by", help_heading = "Data")]
+    outside: Option<String>,
+    /// Leave the whole triangle out where a corner's value is missing.
+    #[arg(long, requires = "color_by", help_heading = "Data")]
+    missing_fan: bool,
+    /// Colours looked up at the vertices and interpolated, as Gouraud had it: for comparison.
+    #[arg(long, requires = "color_by", help_heading = "Data")]
+    gouraud: bool,
+    /// What the legend calls the values.
+    #[arg(long, value_name = "TEXT", requires = "color_by", help_heading = "Data")]
+    label: Option<String>,
+    /// Their unit.
+    #[arg(long, value_name = "TEXT", requires = "color_by", help_heading = "Data")]
+    unit: Option<String>,
+    /// Lines of equal value: the step between them, several values with commas, or auto.
+    #[arg(long, value_name = "STEP|V1,V2,...", allow_hyphen_values = true, help_heading = "Data")]
+    isolines: Option<String>,
+    /// The field whose lines they are; absent: that of --color-by.
+    #[arg(long, value_name = "FIELD", requires = "isolines", help_heading = "Data")]
+    isolines_of: Option<String>,
+    /// Their width, pixels; major ones are twice as wide.
+    #[arg(long, value_name = "PIXELS", requires = "isolines", help_heading = "Data")]
+    isolines_width: Option<f32>,
+    /// Their colour.
+    #[arg(long, value_name = "COLOR", requires = "isolines", help_heading = "Data")]
+    isolines_color: Option<String>,
+    /// Lay a colour over values that do not reach a threshold: "FIELD>VALUE", "FIELD<VALUE" or "FIELD=LEAST..MOST" says what
+    /// is kept; "~DISTANCE" after it makes the edge soft.
+    #[arg(long, value_name = "TEST", help_heading = "Data")]
+    filter: Option<String>,
+    /// What --filter lays over.
+    #[arg(long, value_name = "COLOR", requires = "filter", help_heading = "Data")]
+    filter_color: Option<String>,
+    /// Cut away what a test like that of --filter does not keep.
+    #[arg(long, value_name = "TEST", help_heading = "Data")]
+    cut: Option<String>,
+    /// See through low values: "FIELD=FROM..TO" is clear at FROM, opaque at TO.
+    #[arg(long, value_name = "TEST", help_heading = "Data")]
+    opacity: Option<String>,
+    /// Where the legend stands: right (the default with --color-by) or none.
+    #[arg(long, value_name = "PLACE", help_heading = "Data")]
+    legend: Option<String>,
     /// A chart in place of the textures, to see the layout.
     #[arg(long, help_heading = "Surface")]
     uv_check: bool,
@@ -121,7 +170,8 @@ pub(crate) struct Look {
     /// 0 dielectric to 1 metal.
     #[arg(long, value_name = "0..1", help_heading = "Surface")]
     metalness: Option<f32>,
-    /// metal-rough, blinn-phong, lambert or unlit.
+    /// metal-rough, blinn-phong, lambert, unlit, or safe: data are lit so that their colours can still be read (the default
+    /// with --color-by).
     #[arg(long, value_name = "MODEL", help_heading = "Surface")]
     shading: Option<String>,
 
@@ -187,15 +237,15 @@ impl Look {
         surface.color.clone_from(&self.color);
         surface.roughness = self.roughness;
         surface.metalness = self.metalness;
-        surface.shading.clone_from(&self.shading);
+        surface.shading = self.shading.clone().filter(|s| s != "safe");
 
-        self.short_forms(&mut recipe);
+        self.short_forms(&mut recipe)?;
         recipe.layers.extend(self.layers.iter().cloned());
         Ok(recipe)
     }
 
     /// Flags that stand for a layer.
-    fn short_forms(&self, recipe: &mut Recipe) {
+    fn short_forms(&self, recipe: &mut Recipe) -> Result<()> {
         let text = |s: &str| Some(s.to_owned());
         if let Some(image) = &self.matcap {
             recipe.surface.shading = text("unlit");
@@ -214,14 +264,126 @@ impl Look {
                 ..LayerRecipe::default()
             });
         }
+        self.data(recipe)
+    }
+
+    /// Flags that show fields.
+    fn data(&self, recipe: &mut Recipe) -> Result<()> {
+        let text = |s: &str| Some(s.to_owned());
+        let yes = |flag: bool| flag.then_some(true);
         if let Some(field) = &self.color_by {
-            recipe.surface.shading = recipe.surface.shading.take().or(text("lambert"));
+            let is_safe = self.shading.as_deref().is_none_or(|s| s == "safe") && !self.unlit && !self.gouraud;
+            if is_safe {
+                recipe.surface.shading = text("unlit");
+            } else {
+                recipe.surface.shading = recipe.surface.shading.take().or(text("lambert"));
+            }
+            let (range, percentiles) = match self.range.as_deref() {
+                None => (None, None),
+                Some(given) => match given.contains('%') {
+                    true => (None, Some(two(&given.replace('%', ""), ',').context("a range is 0,10 or 2%,98%")?)),
+                    false => (Some(two(given, ',').context("a range is 0,10 or 2%,98%")?), None),
+                },
+            };
+            let mut outside = self.outside.iter().flat_map(|o| o.split(',')).map(|c| text(c).filter(|c| !c.is_empty()));
             recipe.layers.push(LayerRecipe {
                 table: self.table.clone().or(text("viridis")),
                 field: Some(field.clone()),
-                range: self.range,
+                range,
+                percentiles,
+                center: self.center,
+                value_scale: self.scale.clone(),
+                bands: self.bands,
+                reversed: yes(self.reverse),
+                below: outside.next().flatten(),
+                above: outside.next().flatten(),
+                missing: outside.next().flatten(),
+                missing_mode: self.missing_fan.then(|| "fan".into()),
+                shades: yes(is_safe),
+                gouraud: yes(self.gouraud),
+                label: self.label.clone(),
+                unit_label: self.unit.clone(),
+                ..LayerRecipe::default()
+            });
+        } else if self.shading.as_deref() == Some("safe") {
+            bail!("shading safe is for the colours of --color-by");
+        }
+        if let Some(test) = &self.filter {
+            recipe.layers.push(LayerRecipe { color: self.filter_color.clone(), ..kept(test)? });
+        }
+        if let Some(given) = &self.isolines {
+            let field = self.isolines_of.clone().or_else(|| self.color_by.clone());
+            let field = field.context("isolines of what? --isolines-of FIELD says so")?;
+            let numbers: Vec<f64> = match given.as_str() {
+                "auto" => Vec::new(),
+                _ => given.split(',').map(|v| v.trim().parse()).collect::<Result<_, _>>().with_context(|| {
+                    format!("isolines {given:?} are not possible: a step, several values with commas, or auto")
+                })?,
+            };
+            recipe.layers.push(LayerRecipe {
+                isolines: Some(if numbers.len() == 1 { numbers[0] } else { 0.0 }),
+                levels: (numbers.len() > 1).then_some(numbers),
+                field: Some(field),
+                width: self.isolines_width,
+                color: self.isolines_color.clone(),
                 ..LayerRecipe::default()
             });
         }
+        if let Some(test) = &self.cut {
+            recipe.layers.push(LayerRecipe { target: text("alpha"), ..kept(test)? });
+        }
+        if let Some(test) = &self.opacity {
+            let (field, ends) = test.split_once('=').context("opacity is FIELD=FROM..TO")?;
+            let [from, to] = two(ends, '.').context("opacity is FIELD=FROM..TO")?;
+            recipe.layers.push(LayerRecipe {
+                filter: text(if from < to { "above" } else { "below" }),
+                field: text(field.trim()),
+                threshold: Some(Numbers::One(to as f32)),
+                softness: Some((to - from).abs()),
+                target: text("alpha"),
+                ..LayerRecipe::default()
+            });
+        }
+        recipe.legend.place.clone_from(&self.legend);
+        Ok(())
     }
+}
+
+/// Two numbers between signs.
+fn two(text: &str, sign: char) -> Result<[f64; 2]> {
+    let parts: Vec<&str> = match sign {
+        '.' => text.split("..").collect(),
+        sign => text.split(sign).collect(),
+    };
+    match parts[..] {
+        [a, b] => Ok([a.trim().parse()?, b.trim().parse()?]),
+        _ => bail!("{text:?} are not two numbers"),
+    }
+}
+
+/// The filter layer of a test like `FIELD>3`, `FIELD<3`, `FIELD=1..2`, with `~DISTANCE` after it.
+fn kept(test: &str) -> Result<LayerRecipe> {
+    let why = || format!("{test:?} is no test: FIELD>VALUE, FIELD<VALUE or FIELD=LEAST..MOST, and ~DISTANCE after it");
+    let (test, softness) = match test.rsplit_once('~') {
+        Some((test, soft)) => (test, Some(soft.trim().parse().with_context(why)?)),
+        None => (test, None),
+    };
+    let sign = test.rfind(['>', '<', '=']).with_context(why)?;
+    let (field, value) = (test[..sign].trim(), test[sign + 1..].trim());
+    let number = |v: &str| v.trim().parse::<f32>().with_context(why);
+    let (filter, threshold) = match &test[sign..=sign] {
+        ">" => ("above", Numbers::One(number(value)?)),
+        "<" => ("below", Numbers::One(number(value)?)),
+        _ => {
+            let (least, most) = value.split_once("..").with_context(why)?;
+            ("within", Numbers::Each(vec![number(least)?, number(most)?]))
+        }
+    };
+    Ok(LayerRecipe {
+        filter: Some(filter.into()),
+        field: Some(field.into()),
+        threshold: Some(threshold),
+        softness,
+        ..LayerRecipe::default()
+    })
 }

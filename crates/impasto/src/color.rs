@@ -28,6 +28,23 @@ pub fn srgb_from_linear(x: f64) -> f64 {
     if x <= 0.0031308 { x * 12.92 } else { 1.055 * exact::pow(x, 1.0 / 2.4) - 0.055 }
 }
 
+/// CIE Lab (D65) to linear light; outside of [0, 1] where no screen shows the colour.
+pub fn lab_to_linear([l, a, b]: [f64; 3]) -> [f64; 3] {
+    let fy = (l + 16.0) / 116.0;
+    let inverse = |f: f64| if f > 6.0 / 29.0 { f * f * f } else { (f - 4.0 / 29.0) * (108.0 / 841.0) };
+    let (x, y, z) = (0.9505 * inverse(fy + a / 500.0), inverse(fy), 1.089 * inverse(fy - b / 200.0));
+    [3.2406 * x - 1.5372 * y - 0.4986 * z, -0.9689 * x + 1.8758 * y + 0.0415 * z, 0.0557 * x - 0.2040 * y + 1.0570 * z]
+}
+
+/// Linear light to CIE Lab (D65).
+pub fn lab_from_linear([r, g, b]: [f64; 3]) -> [f64; 3] {
+    let f = |t: f64| if t > 216.0 / 24389.0 { exact::cbrt(t) } else { t * (841.0 / 108.0) + 4.0 / 29.0 };
+    let x = f((0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505);
+    let y = f(0.2126 * r + 0.7152 * g + 0.0722 * b);
+    let z = f((0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089);
+    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
 /// Linear light of every sRGB byte.
 pub static LINEAR_FROM_SRGB8: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|i| linear_from_srgb(i as f64 / 255.0) as f32));

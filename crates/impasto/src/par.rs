@@ -15,7 +15,7 @@ pub struct Workers {
 }
 
 /// The SIMD levels a user may ask for by name.
-pub const LEVEL_NAMES: [&str; 5] = ["scalar", "sse2", "sse4.2", "avx2", "avx512"];
+pub const LEVEL_NAMES: [&str; 4] = ["scalar", "sse2", "avx2", "avx512"];
 
 impl Workers {
     /// `n_threads` threads (0: one a core) at the best SIMD level of this machine.
@@ -97,8 +97,6 @@ pub fn level_by_name(name: &str) -> Option<Level> {
         "scalar" => Some(Level::Fallback(fearless_simd::Fallback::new())),
         #[cfg(target_arch = "x86_64")]
         "sse2" => best.as_sse2().map(Level::Sse2),
-        #[cfg(target_arch = "x86_64")]
-        "sse4.2" => best.as_sse4_2().map(Level::Sse4_2),
         #[cfg(target_arch = "x86_64")]
         "avx2" => best.as_avx2().map(Level::Avx2),
         #[cfg(target_arch = "x86_64")]

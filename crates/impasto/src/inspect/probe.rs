@@ -7,7 +7,7 @@ use crate::lookup::{self, Look, Points, Surfaces, Texture};
 use crate::math::{Size, Vec3};
 use crate::par::Workers;
 use crate::picture::render::{self, Shot};
-use crate::placement::{self, Needs, Surfels, TexCoords};
+use crate::placement::{self, Missing, Needs, Surfels, TexCoords, mixed};
 use crate::visibility::{self, Domain, Hit, InfoBuffer, Samples, TILE};
 use fearless_simd::Fallback;
 
@@ -194,14 +194,11 @@ fn texels(look: &Look, domain: &Domain, shot: &Shot, surfels: &Surfels) -> Vec<T
         .collect()
 }
 
-/// A field's numbers at a point of a triangle; one missing corner makes a component missing.
+/// A field's numbers at a point of a triangle, missing where the nearest corner's are.
 pub(super) fn field_at(field: &Field, mesh: &Mesh, triangle: u32, [b1, b2]: [f32; 2]) -> Vec<f64> {
     let n = field.n_components;
     let value = |element: usize, c: usize| field.values.at(element * n + c);
-    let mix = |at: [usize; 3], c: usize| {
-        let [v0, v1, v2] = at.map(|e| value(e, c));
-        v0 + (v1 - v0) * b1 as f64 + (v2 - v0) * b2 as f64
-    };
+    let mix = |at: [usize; 3], c: usize| mixed(at.map(|e| value(e, c)), [b1 as f64, b2 as f64], Missing::Nearest)[0];
     let t = triangle as usize;
     (0..n)
         .map(|c| match field.element {

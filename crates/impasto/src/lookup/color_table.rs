@@ -1,11 +1,12 @@
 //! Colour tables: a number's colour, with colours of their own below, above and for missing values.
 
 use crate::assets::Filter;
-use crate::color::{LinearRgba, linear_from_bytes, linear_from_srgb};
+use crate::color::{LinearRgba, lab_to_linear, linear_from_bytes, linear_from_srgb};
 use crate::lookup::Reading;
+use crate::lookup::safe::Shades;
 use crate::lookup::viridis::VIRIDIS;
-use crate::math::Lane;
-use crate::math::exact;
+use crate::math::{self, exact};
+use crate::placement::TexCoords;
 
 /// A one-dimensional texture of data: the coordinate s is the value itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +16,8 @@ pub struct ColorTable {
     /// The values at the first entry's outer edge and the last one's; the first may be the greater. All entries are
     /// equally wide.
     pub range: [f32; 2],
+    /// How values spread over the entries: taken after interpolation, so that a value has one colour wherever it stands.
+    pub scale: Scale,
     /// Whether a value has its entry's colour, or one between those of the nearest two centres (in linear light).
     pub filter: Filter,
     /// For values before the range; none: the first entry.
@@ -23,6 +26,55 @@ pub struct ColorTable {
     pub above: Option<LinearRgba>,
     /// For NaN.
     pub missing: LinearRgba,
+    /// The same colours in shadow and in light, for the second coordinate from 0 to 1; 1/2 is the table's own.
+    pub shades: Option<Shades>,
+}
+
+/// How values spread over a colour table.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Scale {
+    /// Evenly.
+    #[default]
+    Linear,
+    /// By their logarithm; what is not positive lies before every range.
+    Log,
+    /// By `sign(x) log(1 + |x| / linear)`: a logarithm on both sides of zero that passes it smoothly.
+    SymLog {
+        /// Up to about here it is linear.
+        linear: f32,
+    },
+}
+
+impl Scale {
+    /// Where a value stands, in any unit.
+    #[inline(always)]
+    pub fn place(self, value: f32) -> f32 {
+        match self {
+            Self::Linear => value,
+            Self::Log if value > 0.0 => math::log2(value),
+            Self::Log if value.is_nan() => value,
+            Self::Log => f32::NEG_INFINITY,
+            Self::SymLog { linear } => {
+                let size = math::log2(1.0 + value.abs() / linear);
+                if value < 0.0 { -size } else { size }
+            }
+        }
+    }
+
+    /// The value at a share of a range: [`place`](Self::place) undone, for ticks and legends.
+    pub fn value_at(self, share: f64, [first, last]: [f64; 2]) -> f64 {
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        match self {
+            Self::Linear => mix(first, last),
+            Self::Log => exact::exp2(mix(exact::log2(first), exact::log2(last))),
+            Self::SymLog { linear } => {
+                let linear = linear as f64;
+                let place = |x: f64| exact::log2(1.0 + x.abs() / linear).copysign(x);
+                let p = mix(place(first), place(last));
+                ((exact::exp2(p.abs()) - 1.0) * linear).copysign(p)
+            }
+        }
+    }
 }
 
 impl ColorTable {
@@ -46,43 +98,73 @@ impl ColorTable {
     pub fn over(range: [f32; 2], colors: Vec<LinearRgba>) -> Self {
         assert!(!colors.is_empty(), "a colour table needs a colour");
         let missing = [linear_from_srgb(0.9) as f32, 0.0, linear_from_srgb(0.9) as f32, 1.0];
-        Self { colors, range, filter: Filter::Nearest, below: None, above: None, missing }
+        let (scale, filter) = (Scale::Linear, Filter::Nearest);
+        Self { colors, range, scale, filter, below: None, above: None, missing, shades: None }
+    }
+
+    /// The table in `n` entries, from the first colour to the last: bands.
+    pub fn banded(&self, n: usize) -> Self {
+        let last = (self.colors.len() - 1) as f64;
+        let entry = |i: usize| {
+            let place = if n > 1 { last * i as f64 / (n - 1) as f64 } else { 0.5 * last };
+            self.colors[(place + 0.5) as usize]
+        };
+        Self { colors: (0..n.max(1)).map(entry).collect(), filter: Filter::Nearest, ..self.clone() }
     }
 
     /// A value's colour.
-    #[inline(always)]
     pub fn color(&self, value: f32) -> LinearRgba {
-        let [first, last] = self.range;
-        let extent = last - first;
+        self.in_light(self.spread(), value, 0.5)
+    }
+
+    /// What [`in_light`](Self::in_light) wants to know of the range: where it begins, and how far it goes.
+    #[inline(always)]
+    fn spread(&self) -> [f32; 2] {
+        let [first, last] = self.range.map(|x| self.scale.place(x));
+        [first, last - first]
+    }
+
+    /// A value's colour in some light.
+    #[inline(always)]
+    fn in_light(&self, [first, extent]: [f32; 2], value: f32, light: f32) -> LinearRgba {
+        let place = self.scale.place(value) - first;
         // A range without extent: what is not below is at its end.
-        let x = if extent != 0.0 { (value - first) / extent } else { (value - first) * f32::MAX };
-        let ends = (self.colors[0], self.colors[self.colors.len() - 1]);
+        let x = if extent != 0.0 { place / extent } else { place * f32::MAX };
+        let n = self.colors.len();
         if x.is_nan() {
-            return if value.is_nan() { self.missing } else { ends.0 };
+            return if value.is_nan() { self.missing } else { self.colors[0] };
         }
         if x < 0.0 {
-            return self.below.unwrap_or(ends.0);
+            return self.below.unwrap_or_else(|| self.shaded(0, light));
         }
         if x > 1.0 {
-            return self.above.unwrap_or(ends.1);
+            return self.above.unwrap_or_else(|| self.shaded(n - 1, light));
         }
-        let n = self.colors.len();
         match self.filter {
-            Filter::Nearest => self.colors[((x * n as f32) as usize).min(n - 1)],
+            Filter::Nearest => self.shaded(((x * n as f32) as usize).min(n - 1), light),
             Filter::Linear => {
                 let place = x * n as f32 - 0.5;
                 let place = if place > 0.0 { place } else { 0.0 };
                 let i = (place as usize).min(n - 1);
-                let (a, b) = (self.colors[i], self.colors[(i + 1).min(n - 1)]);
+                let (a, b) = (self.shaded(i, light), self.shaded((i + 1).min(n - 1), light));
                 std::array::from_fn(|c| a[c] + (b[c] - a[c]) * (place - i as f32))
             }
         }
     }
 
-    pub(super) fn read(&self, values: &Lane, n: usize, out: &mut Reading) {
+    #[inline(always)]
+    fn shaded(&self, entry: usize, light: f32) -> LinearRgba {
+        match &self.shades {
+            Some(shades) => shades.color(entry, self.colors[entry], light),
+            None => self.colors[entry],
+        }
+    }
+
+    pub(super) fn read(&self, at: &TexCoords, n: usize, out: &mut Reading) {
         out.is_whole = true;
+        let spread = self.spread();
         for i in 0..n {
-            let color = self.color(values[i]);
+            let color = self.in_light(spread, at.st[0][i], at.st[1][i]);
             (0..4).for_each(|c| out.rgba[c][i] = color[c]);
         }
     }
@@ -107,16 +189,8 @@ fn cool_warm(x: f64) -> [f32; 3] {
 }
 
 /// CIE Lab (D65) to linear light within [0, 1].
-fn linear_from_lab([l, a, b]: [f64; 3]) -> [f32; 3] {
-    let fy = (l + 16.0) / 116.0;
-    let inverse = |f: f64| if f > 6.0 / 29.0 { f * f * f } else { (f - 4.0 / 29.0) * (108.0 / 841.0) };
-    let (x, y, z) = (0.9505 * inverse(fy + a / 500.0), inverse(fy), 1.089 * inverse(fy - b / 200.0));
-    let rgb = [
-        3.2406 * x - 1.5372 * y - 0.4986 * z,
-        -0.9689 * x + 1.8758 * y + 0.0415 * z,
-        0.0557 * x - 0.2040 * y + 1.0570 * z,
-    ];
-    rgb.map(|c| c.clamp(0.0, 1.0) as f32)
+fn linear_from_lab(lab: [f64; 3]) -> [f32; 3] {
+    lab_to_linear(lab).map(|c| c.clamp(0.0, 1.0) as f32)
 }
 
 #[cfg(test)]

@@ -252,7 +252,9 @@ impl Texture {
     fn read<S: Simd>(&self, simd: S, at: &TexCoords, n: usize, scratch: &mut ReadScratch, out: &mut Reading) {
         match self {
             Self::Image(image) => image.read(simd, at, n, scratch, out),
-            Self::Table(table) => table.read(&at.st[0], n, out),
+            Self::Table(table) => table.read(at, n, out),
+            Self::Isolines(isolines) => isolines.read(at, n, out),
+            Self::Filter(filter) => filter.read(at, n, out),
             Self::Procedural(procedural) => procedural.read(at, n, out),
         }
     }

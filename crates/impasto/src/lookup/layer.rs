@@ -3,7 +3,7 @@
 use crate::assets::AlphaMode;
 use crate::color::{LinearRgb, LinearRgba};
 use crate::lookup::operator::{AlphaRule, Operator, rules};
-use crate::lookup::{BaseFormat, ColorTable, ImageTexture, Procedural, Shading};
+use crate::lookup::{BaseFormat, ColorTable, Filter, ImageTexture, Isolines, Procedural, Shading};
 use crate::math::Mat4;
 use crate::placement::{self, Needs, Placement};
 
@@ -105,6 +105,10 @@ pub enum Texture {
     Image(ImageTexture),
     /// Colours of values; s is the value.
     Table(ColorTable),
+    /// Lines of equal value; s is the value.
+    Isolines(Isolines),
+    /// Hides by value; s is the value.
+    Filter(Filter),
     /// A formula.
     Procedural(Procedural),
 }
@@ -114,7 +118,7 @@ impl Texture {
     pub fn format(&self) -> BaseFormat {
         match self {
             Self::Image(image) => image.format(),
-            Self::Table(_) | Self::Procedural(_) => BaseFormat::Rgba,
+            Self::Table(_) | Self::Isolines(_) | Self::Filter(_) | Self::Procedural(_) => BaseFormat::Rgba,
         }
     }
 }

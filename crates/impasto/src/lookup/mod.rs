@@ -4,7 +4,9 @@ pub mod color_table;
 pub mod evaluate;
 #[cfg(test)]
 mod evaluate_tests;
+pub mod filter;
 mod footprint;
+pub mod isolines;
 pub mod layer;
 pub mod looks;
 mod mip;
@@ -15,16 +17,20 @@ pub mod procedural;
 pub mod read;
 #[cfg(test)]
 mod read_tests;
+pub mod safe;
 pub mod surface;
 pub mod texture;
 mod viridis;
 
-pub use color_table::ColorTable;
+pub use color_table::{ColorTable, Scale};
 pub use evaluate::{Points, Scratch, alpha_of, evaluate};
+pub use filter::{Filter, Keep};
+pub use isolines::{Isolines, Levels, Line};
 pub use layer::{Channel, Constants, Layer, Look, Target, Texture, TextureId};
 pub use looks::Looks;
 pub use operator::{Compare, Operator};
 pub use procedural::{Pattern, Procedural};
 pub use read::Reading;
+pub use safe::Shades;
 pub use surface::{Shading, Surfaces};
 pub use texture::{BaseFormat, ImageTexture, Prepare, Shape, Usage};

@@ -138,6 +138,12 @@ impl Develop {
         // Where nothing is, one pixel serves a whole row, but for the dither pattern.
         let mut nothing = None;
         for (stretch, (cells, out)) in cells.chunks(STRETCH).zip(out.chunks_mut(STRETCH)).enumerate() {
+            if let Some(nothing) = nothing
+                && cells.as_flattened().iter().fold(0, |bits, x| bits | x.to_bits()) == 0
+            {
+                out.fill(nothing);
+                continue;
+            }
             separate(simd, cells, &mut lanes);
             for (group, out) in out.chunks_mut(width::<S>()).enumerate() {
                 let at = group * width::<S>();

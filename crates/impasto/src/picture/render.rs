@@ -12,8 +12,8 @@ use crate::par::Workers;
 use crate::picture::{self, Lighting};
 use crate::placement::{Needs, Surfels, TexCoords};
 use crate::visibility::{
-    self, AlphaTest, BATCH_FILL, CENTER, Domain, Draw, Faces, Hit, InfoBuffer, Kind, Places, Samples, TILE, Tile, Tiles,
-    tile::Layer,
+    self, AlphaTest, BATCH_FILL, CENTER, Domain, Draw, Faces, Hit, InfoBuffer, Kind, Places, Samples, TILE, Tile,
+    Tiles, tile::Layer,
 };
 use fearless_simd::{dispatch, mask32x8, prelude::*, u32x8};
 use std::ops::{Deref, DerefMut};
@@ -485,7 +485,12 @@ impl<'a> PartCursor<'a> {
 #[inline(always)]
 fn is_nothing<S: Simd>(simd: S, ids: &[u32]) -> bool {
     let all = u32x8::splat(simd, Hit::NOTHING);
-    ids.as_chunks::<LANES>().0.iter().fold(all, |all, ids| all & u32x8::load_array_ref(simd, ids)).simd_eq(all).all_true()
+    ids.as_chunks::<LANES>()
+        .0
+        .iter()
+        .fold(all, |all, ids| all & u32x8::load_array_ref(simd, ids))
+        .simd_eq(all)
+        .all_true()
 }
 
 /// At which of up to eight places of a row (bits) a triangle is there.

@@ -7,7 +7,7 @@ use crate::lookup::{Shading, Surfaces};
 use crate::math::{Lane, Vec3, unit_or};
 use crate::picture::lanes::{
     V, V3, add, at_least, at_most, clamp01, dot, inverse_length, load, load3, per_channel, pow, scale, splat3, store3,
-    width,
+    whole_pow, width,
 };
 use crate::picture::light::{Light, LightKind, Lighting};
 use crate::picture::{Ambient, metal_rough};
@@ -88,11 +88,21 @@ fn phong<S: Simd, const HIGHLIGHT: bool>(
                 let [specular, exponent] = widened(specular, exponent, light.size);
                 let half = add::<S>(toward, view);
                 let cosine = dot::<S>(normal, half) * inverse_length(simd, dot::<S>(half, half));
-                shine = add::<S>(shine, scale::<S>(strength, pow(simd, cosine, exponent) * specular));
+                shine = add::<S>(shine, scale::<S>(strength, power(simd, cosine, exponent) * specular));
             }
         }
         let lit = per_channel!(c => color[c] * received[c] + shine[c]);
         store3::<S>(lit, out, at);
+    }
+}
+
+#[inline(always)]
+fn power<S: Simd>(simd: S, cosine: V<S>, exponent: f32) -> V<S> {
+    let whole = exponent as u32;
+    if whole as f32 == exponent && (1..=256).contains(&whole) {
+        whole_pow(simd, cosine, whole)
+    } else {
+        pow(simd, cosine, exponent)
     }
 }
 

@@ -6,10 +6,10 @@
 //! on either side are filtered as if it were not there.
 
 use crate::assets::{Element, Field, Mesh};
-use crate::math::{BATCH, Lane, Mat4};
+use crate::math::{BATCH, Lane, Mat3, Mat4, Vec3};
 use crate::placement::number::{Dual, Number, Vector, affine, stretched};
 use crate::placement::rules::{Local, Point, Rule, Visitor, box_side, resolve, rows};
-use crate::placement::{FieldAxis, Needs, Placement, Projector, Surfels, TexCoords, Viewpoint};
+use crate::placement::{FieldAxis, Missing, Needs, Placement, Projector, Surfels, TexCoords, Viewpoint};
 
 /// Beyond this many texture widths f32 has no texel left; keeps infinities away from the samplers.
 const FARTHEST: f32 = (1 << 30) as f32;
@@ -30,6 +30,10 @@ pub fn place(
     match placement {
         Placement::Uv(set) => copy_uv(*set, surfels, out),
         Placement::Field { axes } => read_fields(axes, mesh, surfels, out),
+        Placement::FieldInLight { axis, toward } => {
+            read_fields(&[Some(*axis), None, None], mesh, surfels, out);
+            read_light(*toward, view, surfels, out);
+        }
         _ => {
             let visitor = Fill { needs: placement.needs(), mesh, surfels, out };
             resolve(placement, view, mesh, visitor);
@@ -295,12 +299,57 @@ fn field_at(axis: &FieldAxis, field: &Field, mesh: &Mesh, surfels: &Surfels, i: 
         Element::Vertex => mesh.triangles()[triangle].map(|v| v as usize),
         Element::Corner => [0, 1, 2].map(|c| triangle * 3 + c),
     };
-    let [a, b, c] = corners.map(value);
-    let change = |w: &[Lane; 2]| w[0][i] as f64 * (b - a) + w[1][i] as f64 * (c - a);
+    let values = corners.map(value);
+    let (b1, b2) = (surfels.barycentric[0][i] as f64, surfels.barycentric[1][i] as f64);
+    let [value, along1, along2] = mixed(values, [b1, b2], axis.missing);
+    let change = |d: &[Lane; 2]| d[0][i] as f64 * along1 + d[1][i] as f64 * along2;
     Dual {
-        value: (a + change(&surfels.barycentric)) as f32,
+        value: value as f32,
         dx: change(&surfels.d_barycentric[0]) as f32,
         dy: change(&surfels.d_barycentric[1]) as f32,
+    }
+}
+
+/// A value between three corners, given the second and third one's weights, and how it changes with each weight.
+#[inline(always)]
+pub fn mixed(corners: [f64; 3], [b1, b2]: [f64; 2], missing: Missing) -> [f64; 3] {
+    let [a, b, c] = corners;
+    let value = a + (b1 * (b - a) + b2 * (c - a));
+    if missing == Missing::Fan || !(a.is_nan() || b.is_nan() || c.is_nan()) {
+        return [value, b - a, c - a];
+    }
+    let weights = [1.0 - b1 - b2, b1, b2];
+    let nearest = (1..3).fold(0, |best, k| if weights[k] > weights[best] { k } else { best });
+    if corners[nearest].is_nan() {
+        return [f64::NAN; 3];
+    }
+    // The corners that are there share the weight; near the nearest of them there is always some.
+    let there = |k: usize| if corners[k].is_nan() { 0.0 } else { weights[k] };
+    let total = there(0) + there(1) + there(2);
+    let sum = (0..3).filter(|&k| !corners[k].is_nan()).fold(0.0, |sum, k| sum + weights[k] * corners[k]);
+    let value = sum / total;
+    // The quotient rule; the first weight falls as either of the others grows.
+    let slope = |k: usize| if corners[k].is_nan() { 0.0 } else { (corners[k] - value) / total };
+    [value, slope(1) - slope(0), slope(2) - slope(0)]
+}
+
+/// How a matt surface would look in parallel light: 1/2 where it faces the eye, 0 turned away from the light, 1 turned to it.
+fn read_light(toward: Vec3, view: &Viewpoint, surfels: &Surfels, out: &mut TexCoords) {
+    let world_from_eye = Mat3::from_mat4(view.eye_from_world).transpose();
+    let toward = world_from_eye * toward;
+    for i in 0..surfels.n {
+        let at = |lanes: &[Lane; 3]| [lanes[0][i], lanes[1][i], lanes[2][i]];
+        let (normal, eye, side) = (at(&surfels.normal), at(&surfels.view), surfels.side[i]);
+        let facing = (normal[0] * toward.x + normal[1] * toward.y + normal[2] * toward.z) * side;
+        let straight = eye[0] * toward.x + eye[1] * toward.y + eye[2] * toward.z;
+        let light = if facing > straight {
+            0.5 + 0.5 * (facing - straight) / (1.0 - straight)
+        } else {
+            0.5 * (facing + 1.0) / (straight + 1.0)
+        };
+        let light = if light > 0.0 { light } else { 0.0 };
+        out.st[1][i] = if light < 1.0 { light } else { 1.0 };
+        (out.d_dx[1][i], out.d_dy[1][i]) = (0.0, 0.0);
     }
 }
 

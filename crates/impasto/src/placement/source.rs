@@ -88,6 +88,14 @@ pub enum Placement {
         /// What s, t and r show; none: 1/2, the middle of a table with a single row.
         axes: [Option<FieldAxis>; 3],
     },
+    /// Data as s, and as t how a surface that matt light falls on would look: 0 turned away to 1 turned to it, with 1/2 for
+    /// what faces the eye. For tables with shades.
+    FieldInLight {
+        /// The data.
+        axis: FieldAxis,
+        /// Towards the light, a unit vector in eye space.
+        toward: Vec3,
+    },
     /// The place itself, for 3-D textures.
     Position {
         /// Measured how.
@@ -138,13 +146,30 @@ pub struct FieldAxis {
     pub scale: f64,
     /// Where the value 0 falls.
     pub offset: f64,
+    /// What a missing value does to its triangles.
+    pub missing: Missing,
+}
+
+/// What a missing value does to the triangles that share it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Missing {
+    /// Points nearest to it are missing; the rest of the triangle goes by the corners that are there.
+    #[default]
+    Nearest,
+    /// All of the triangle is missing: nothing is said that was not measured.
+    Fan,
 }
 
 impl FieldAxis {
+    /// Whether the mesh has the field, and the field the component.
+    fn fits(&self, mesh: &Mesh) -> bool {
+        mesh.fields().get(self.field).is_some_and(|f| self.component.unwrap_or(0) < f.n_components)
+    }
+
     /// `from` falls on 0 and `to` on 1; all on 0 when they are equal.
     pub fn over(field: usize, component: Option<usize>, from: f64, to: f64) -> Self {
         let scale = if to != from { 1.0 / (to - from) } else { 0.0 };
-        Self { field, component, scale, offset: -from * scale }
+        Self { field, component, scale, offset: -from * scale, missing: Missing::default() }
     }
 }
 
@@ -190,6 +215,7 @@ impl Placement {
         match self {
             Self::Uv(set) => Needs { uv_sets: 1u32.checked_shl(*set as u32).unwrap_or(0), ..Needs::default() },
             Self::Field { .. } => none,
+            Self::FieldInLight { .. } => Needs { normal: true, view: true, ..none },
             _ => Needs { position: self.reads_position(), normal: self.reads_normal(), ..none },
         }
     }
@@ -209,6 +235,7 @@ impl Placement {
             Self::NormalMap { space } => *space == Space::Eye,
             Self::Equirectangular { direction, space } => *direction == Direction::Reflection || *space == Space::Eye,
             Self::TwoPart(two_part) => two_part.depends_on_view(),
+            Self::FieldInLight { .. } => true,
             _ => false,
         }
     }
@@ -217,9 +244,8 @@ impl Placement {
     pub fn fits(&self, mesh: &Mesh) -> bool {
         match self {
             Self::Uv(set) => *set < mesh.uv_sets().len().min(32),
-            Self::Field { axes } => axes.iter().flatten().all(|axis| {
-                mesh.fields().get(axis.field).is_some_and(|f| axis.component.unwrap_or(0) < f.n_components)
-            }),
+            Self::Field { axes } => axes.iter().flatten().all(|axis| axis.fits(mesh)),
+            Self::FieldInLight { axis, .. } => axis.fits(mesh),
             _ => true,
         }
     }

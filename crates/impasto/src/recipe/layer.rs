@@ -13,8 +13,12 @@ pub struct LayerRecipe {
     pub image: Option<String>,
     /// A formula: `stripes`, `checker`, `noise`, `cells`, `wood`, `marble`.
     pub procedural: Option<String>,
-    /// A colour table over a field: `viridis`, `grey`, `coolwarm`.
+    /// A colour table over a field, by its name or from a file.
     pub table: Option<String>,
+    /// Lines of equal value of a field: the step from line to line; 0: only the `levels`.
+    pub isolines: Option<f64>,
+    /// Hides by the values of a field: `above`, `below` or `within` say which are kept.
+    pub filter: Option<String>,
     /// Six faces of a cube (+X, -X, +Y, -Y, +Z, -Z) or `sample:NAME`; a volume's slices, front to back.
     pub images: Option<Vec<String>>,
     /// Of samples: texels along an edge.
@@ -32,13 +36,60 @@ pub struct LayerRecipe {
     /// Another seed is another texture of the same kind.
     pub seed: Option<u32>,
 
-    // Of colour tables.
-    /// The field's name.
+    // Of colour tables, isolines and filters.
+    /// The field: `NAME`, with `.x` `.y` `.z` or `.0` `.1` ... for a component, `.mag` for the vector's length, and `@vertices`,
+    /// `@faces` or `@corners` where two fields share a name.
     pub field: Option<String>,
     /// Which of its components, from 0; absent: the only one, or the vector's length.
     pub component: Option<u32>,
-    /// The values at the table's ends; absent: the field's least and greatest.
+    /// `nearest`: a missing value leaves the part of its triangles out that is nearest to it; `fan`: all of them.
+    pub missing_mode: Option<String>,
+
+    // Of colour tables.
+    /// The values at the table's ends, in either order; absent: the field's least and greatest.
     pub range: Option<[f64; 2]>,
+    /// In place of a range: these percentiles of the field's values.
+    pub percentiles: Option<[f64; 2]>,
+    /// Widen the range so that this value is in its middle.
+    pub center: Option<f64>,
+    /// `linear`, `log`, or `symlog`, which is linear up to `linear_up_to` (absent: a hundredth of the range).
+    pub value_scale: Option<String>,
+    /// Of `symlog`.
+    pub linear_up_to: Option<f64>,
+    /// As many colours, each over an equal part of the scale.
+    pub bands: Option<u32>,
+    /// The table from its end.
+    pub reversed: Option<bool>,
+    /// Colour of values before the range; absent: the table's first.
+    pub below: Option<String>,
+    /// Colour of values beyond the range; absent: the table's last.
+    pub above: Option<String>,
+    /// Colour of missing values.
+    pub missing: Option<String>,
+    /// Shade so that every colour is still read as its value. For unlit surfaces.
+    pub shades: Option<bool>,
+    /// Colours are looked up at the vertices and interpolated, as Gouraud had it: for comparison.
+    pub gouraud: Option<bool>,
+    /// What the legend calls it; absent: the field's name.
+    pub label: Option<String>,
+    /// Its unit; absent: what the file says.
+    pub unit_label: Option<String>,
+
+    // Of isolines.
+    /// Values that have a line, in place of even steps.
+    pub levels: Option<Vec<f64>>,
+    /// One of the even levels; absent: 0.
+    pub level: Option<f64>,
+    /// In pixels.
+    pub width: Option<f32>,
+    /// Each n-th line is a major one, 0: none; absent: each fifth.
+    pub major: Option<u32>,
+
+    // Of filters.
+    /// The value to be reached, or for `within` the two ends.
+    pub threshold: Option<Numbers>,
+    /// From where on nothing is left: values fade away over this distance.
+    pub softness: Option<f64>,
 
     // Of images.
     /// `repeat`, `mirrored-repeat`, `clamp-to-edge`, `clamp-to-border`: for all coordinates, or a list for s, t, r.
@@ -101,7 +152,7 @@ pub struct LayerRecipe {
     // What the answer does.
     /// `replace`, `modulate` (the default), `decal`, `blend`, `add`, `over`, or `alpha-test`.
     pub operator: Option<String>,
-    /// Of `blend`: the environment's colour.
+    /// Of `blend`: the environment's colour; of isolines: the lines'; of filters: what hides.
     pub color: Option<String>,
     /// Of `alpha-test`: `less`, `equal`, `less-or-equal`, `greater`, `not-equal`, `greater-or-equal` (the default) ...
     pub compare: Option<String>,
@@ -197,6 +248,7 @@ fn source(word: &str) -> (String, toml::Value) {
     match word.strip_prefix("table:") {
         Some(name) => ("table".into(), text(name)),
         None if PROCEDURAL.contains(&word) => ("procedural".into(), text(word)),
+        None if word == "isolines" => ("isolines".into(), toml::Value::Float(0.0)),
         None => ("image".into(), text(word)),
     }
 }
@@ -204,7 +256,22 @@ fn source(word: &str) -> (String, toml::Value) {
 /// A value of the type it looks like; keys that are words stay words.
 fn typed(value: &str, key: &str) -> toml::Value {
     use toml::Value;
-    const WORDS: [&str; 8] = ["image", "field", "color", "colors", "uv-set", "uv_set", "part", "channels"];
+    const WORDS: [&str; 14] = [
+        "image",
+        "field",
+        "color",
+        "colors",
+        "uv-set",
+        "uv_set",
+        "part",
+        "channels",
+        "label",
+        "unit_label",
+        "unit-label",
+        "below",
+        "above",
+        "missing",
+    ];
     let one = |v: &str| match (v.parse::<i64>(), v.parse::<f64>()) {
         _ if WORDS.contains(&key) => Value::String(v.into()),
         (Ok(i), _) => Value::Integer(i),
@@ -215,7 +282,9 @@ fn typed(value: &str, key: &str) -> toml::Value {
         let planes = value.split('/').map(|p| Value::Array(p.split(',').map(one).collect()));
         return Value::Array(planes.collect());
     }
-    match value.contains(',') && !matches!(key, "image" | "field" | "color" | "part") {
+    match value.contains(',')
+        && !matches!(key, "image" | "field" | "color" | "part" | "label" | "below" | "above" | "missing")
+    {
         true => Value::Array(value.split(',').map(|v| one(v.trim())).collect()),
         false => one(value),
     }

@@ -4,6 +4,7 @@
 //! the gallery is a folder of them. [`prepare()`] turns it into the engine's nouns, [`Prepared::render`] into a picture.
 //! All keys are optional and have the program's defaults. This module alone knows `serde`.
 
+pub mod data;
 pub mod layer;
 pub mod output;
 mod stack;
@@ -50,6 +51,9 @@ pub struct Recipe {
     /// Laid over the materials' own, the first first.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub layers: Vec<LayerRecipe>,
+    /// What says what the colours stand for.
+    #[serde(skip_serializing_if = "is_default")]
+    pub legend: LegendRecipe,
     /// What is written.
     #[serde(skip_serializing_if = "is_default")]
     pub output: Output,
@@ -181,6 +185,20 @@ pub struct LightRecipe {
     pub size: Option<f32>,
     /// Inner and outer half angle of a spot, degrees.
     pub cone: Option<[f32; 2]>,
+}
+
+/// What says what the colours stand for.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LegendRecipe {
+    /// `right` (the default where a layer has a table) or `none`.
+    pub place: Option<String>,
+    /// In place of the field's name.
+    pub title: Option<String>,
+    /// `auto`, `plain`, `si` (k, M, µ) or `engineering` (powers of a thousand).
+    pub notation: Option<String>,
+    /// Write the values on the major isolines.
+    pub line_labels: Option<bool>,
 }
 
 /// What is written.

@@ -1,12 +1,14 @@
 //! A recipe to the engine's nouns: scene, looks, view, light.
 
-use crate::assets::{AlphaMode, Scene, TextureImage};
+use crate::assets::{AlphaMode, Mesh, Scene, TextureImage};
+use crate::color::LinearRgba;
 use crate::error::{Error, Mended, Report, Result, note};
 use crate::lookup::{ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading, Target, Texture, Usage};
 use crate::math::Size;
 use crate::par::Workers;
 use crate::picture::{Background, Develop, Environment, Lighting};
 use crate::placement::{self, Placement, UnwrapOptions};
+use crate::recipe::data::{self, Key};
 use crate::recipe::layer::LayerRecipe;
 use crate::recipe::words::{choose, color, impossible};
 use crate::recipe::{Recipe, SurfaceRecipe, View, source, stack, view};
@@ -36,6 +38,8 @@ pub struct Prepared {
     pub develop: Develop,
     /// A contact shadow on a floor.
     pub ground: bool,
+    /// What colours stand for, one for each table layer.
+    pub keys: Vec<Key>,
 }
 
 /// The size of a picture that says nothing about it.
@@ -67,7 +71,16 @@ pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report
         return Err(Error::Format { path: recipe.subject().into(), fault: "it has no surface to show".into() });
     }
     let on = stack::Ground { scene: &scene, base, seed: recipe.input.seed.unwrap_or(1), uv_set };
-    let looks = looks(recipe, &on, &mut mended)?;
+    let mut looks = looks(recipe, &on, &mut mended)?;
+    let mut keys = Vec::new();
+    for layer in recipe.layers.iter().filter(|l| l.table.is_some()) {
+        keys.push(data::key(layer, &on)?.0);
+    }
+    if let Some(layer) = recipe.layers.iter().find(|l| l.gouraud == Some(true)) {
+        let colors = data::vertex_colors(layer, &on)?;
+        scene.mesh = colored(std::mem::take(&mut scene.mesh), colors);
+        looks.looks.iter_mut().for_each(|l| l.uses_vertex_colors = true);
+    }
     tangents(&mut scene, &looks, &mut mended);
 
     let view = view::view(&recipe.camera, &scene, size)?;
@@ -82,7 +95,7 @@ pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report
     let is_lit = !unlit && looks.looks.iter().any(|l| l.shading != Shading::Unlit);
     let develop = view::develop(recipe, is_lit && !recipe.shows_data(), background)?;
     let ground = recipe.picture.ground.unwrap_or(false);
-    let value = Prepared { scene, looks, view, size, samples, lighting, unlit, background, develop, ground };
+    let value = Prepared { scene, looks, view, size, samples, lighting, unlit, background, develop, ground, keys };
     Ok(Report { value, mended })
 }
 
@@ -128,10 +141,10 @@ fn looks(recipe: &Recipe, on: &stack::Ground, mended: &mut Vec<Mended>) -> Resul
         return Ok(looks);
     }
     let mut layers = Vec::new();
-    for layer in &recipe.layers {
+    for layer in recipe.layers.iter().filter(|l| l.gouraud != Some(true)) {
         let (mut made, texture) = stack::layer(layer, on, mended)?;
         made.texture = looks.add(texture);
-        layers.push((made, parts_named(layer, on.scene)?));
+        layers.push((made, parts_named(layer, on.scene)?, alpha_mode(layer)));
     }
     Ok(lay(looks, &layers))
 }
@@ -230,16 +243,37 @@ fn parts_named(layer: &LayerRecipe, scene: &Scene) -> Result<Option<Vec<bool>>> 
     Err(impossible("part", wanted, format!("the surface has {}", known.join(", "))))
 }
 
+/// What alpha means under a layer that makes some from data: a sharp cut, or something to look through.
+fn alpha_mode(layer: &LayerRecipe) -> Option<AlphaMode> {
+    let is_alpha = layer.is_data() && layer.target.as_deref() == Some("alpha");
+    is_alpha.then(|| match (&layer.filter, layer.softness) {
+        (Some(_), None | Some(0.0)) => AlphaMode::Mask(0.5),
+        _ => AlphaMode::Blend,
+    })
+}
+
+/// The mesh with vertex colours.
+fn colored(mesh: Mesh, colors: Vec<LinearRgba>) -> Mesh {
+    let mut raw = mesh.into_raw();
+    raw.colors = colors.into_iter().map(Into::into).collect();
+    raw.trusted()
+}
+
 /// Adds layers to the looks of the parts they are for; a look that only some of its parts keep is doubled.
-fn lay(looks: Looks, layers: &[(Layer, Option<Vec<bool>>)]) -> Looks {
+fn lay(looks: Looks, layers: &[(Layer, Option<Vec<bool>>, Option<AlphaMode>)]) -> Looks {
     let mut made: Vec<(u32, Vec<bool>)> = Vec::new();
     let mut out = Looks { textures: looks.textures, looks: Vec::new(), look_of_part: Vec::new() };
     for (part, &old) in looks.look_of_part.iter().enumerate() {
-        let wears: Vec<bool> = layers.iter().map(|(_, parts)| parts.as_ref().is_none_or(|p| p[part])).collect();
+        let wears: Vec<bool> = layers.iter().map(|(_, parts, _)| parts.as_ref().is_none_or(|p| p[part])).collect();
         let key = (old, wears);
         let index = made.iter().position(|m| *m == key).unwrap_or_else(|| {
             let mut look: Look = looks.looks[old as usize].clone();
-            look.layers.extend(layers.iter().zip(&key.1).filter(|(_, w)| **w).map(|((l, _), _)| l.clone()));
+            for (layer, _, alpha_mode) in layers.iter().zip(&key.1).filter(|(_, worn)| **worn).map(|(l, _)| l) {
+                look.layers.push(layer.clone());
+                if look.alpha_mode == AlphaMode::Opaque {
+                    look.alpha_mode = alpha_mode.unwrap_or(AlphaMode::Opaque);
+                }
+            }
             out.looks.push(look);
             made.push(key.clone());
             made.len() - 1

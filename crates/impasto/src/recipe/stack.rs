@@ -3,17 +3,15 @@
 use crate::assets::{Filter, MinFilter, Sampler, Scene, Wrap};
 use crate::error::{Error, Mended, Result};
 use crate::lookup::{
-    BaseFormat, Channel, ColorTable, Compare, ImageTexture, Layer, Operator, Pattern, Prepare, Procedural, Target,
-    Texture, TextureId, Usage,
+    BaseFormat, Channel, Compare, ImageTexture, Layer, Operator, Pattern, Prepare, Procedural, Target, Texture,
+    TextureId, Usage,
 };
 use crate::math::{Mat4, Projection, Vec3, exact, vec3};
-use crate::placement::{
-    Direction, FieldAxis, Intermediate, ObjectRay, Placement, PositionUnit, Projector, Space, TwoPart,
-};
+use crate::placement::{Direction, Intermediate, ObjectRay, Placement, PositionUnit, Projector, Space, TwoPart};
 use crate::recipe::layer::{LayerRecipe, Numbers, Words};
-use crate::recipe::source;
 use crate::recipe::view::finite;
 use crate::recipe::words::{choose, choose_or, color, impossible};
+use crate::recipe::{data, source};
 use crate::visibility::Camera;
 use std::path::Path;
 
@@ -89,9 +87,12 @@ fn operator(recipe: &LayerRecipe, target: Target) -> Result<Operator> {
     let reference = recipe.reference.unwrap_or(0.5);
     // Numbers that are data replace; a picture tints what is there.
     let is_picture = matches!(target, Target::Color | Target::Alpha | Target::Occlusion);
-    let absent = match recipe.table.is_some() || !is_picture {
-        true => Operator::Replace,
-        false => Operator::Modulate,
+    let absent = match () {
+        _ if !is_picture || recipe.table.is_some() => Operator::Replace,
+        // What a filter hides of alpha is gone, whatever was there.
+        _ if recipe.filter.is_some() && target == Target::Alpha => Operator::Modulate,
+        _ if recipe.is_data() => Operator::Over,
+        _ => Operator::Modulate,
     };
     choose_or(
         "operator",
@@ -112,7 +113,7 @@ fn operator(recipe: &LayerRecipe, target: Target) -> Result<Operator> {
 // Where the coordinate comes from.
 
 fn placement(recipe: &LayerRecipe, on: &Ground) -> Result<Placement> {
-    let absent = if recipe.table.is_some() { "field" } else { "uv" };
+    let absent = if recipe.is_data() { "field" } else { "uv" };
     let given = recipe.coordinate.as_deref().unwrap_or(absent);
     const NAMES: [&str; 17] = [
         "uv",
@@ -186,7 +187,7 @@ fn placement(recipe: &LayerRecipe, on: &Ground) -> Result<Placement> {
             )?,
             projector: projector(recipe, on)?,
         }),
-        "field" => Placement::Field { axes: [Some(field_axis(recipe, on)?), None, None] },
+        "field" => data::placement(recipe, on)?,
         _ => Placement::Position {
             unit: choose_or(
                 "unit",
@@ -268,83 +269,23 @@ impl LayerRecipe {
     }
 }
 
-fn field_index(recipe: &LayerRecipe, on: &Ground) -> Result<usize> {
-    let fields = on.scene.mesh.fields();
-    let names: Vec<&str> = fields.iter().map(|f| f.name.as_str()).collect();
-    let given = recipe.field.as_deref().ok_or_else(|| impossible("field", "", known_fields(&names)))?;
-    names.iter().position(|n| *n == given).ok_or_else(|| impossible("field", given, known_fields(&names)))
-}
-
-fn known_fields(names: &[&str]) -> String {
-    match names.len() {
-        0 => "the surface carries no data".into(),
-        _ => format!("the surface carries {}", names.join(", ")),
-    }
-}
-
-/// The value itself: a colour table has its own range.
-fn field_axis(recipe: &LayerRecipe, on: &Ground) -> Result<FieldAxis> {
-    let field = field_index(recipe, on)?;
-    let n_components = on.scene.mesh.fields()[field].n_components;
-    let component = recipe.component.map(|c| c as usize).or((n_components == 1).then_some(0));
-    if component.is_some_and(|c| c >= n_components) {
-        return Err(impossible("component", component.unwrap_or(0), format!("the field has {n_components}, from 0")));
-    }
-    if recipe.table.is_some() {
-        return Ok(FieldAxis { field, component, scale: 1.0, offset: 0.0 });
-    }
-    let [from, to] = field_range(recipe, on)?;
-    Ok(FieldAxis::over(field, component, from, to))
-}
-
-fn field_range(recipe: &LayerRecipe, on: &Ground) -> Result<[f64; 2]> {
-    if let Some(range) = recipe.range {
-        return match range.iter().all(|x| x.is_finite()) {
-            true => Ok(range),
-            false => Err(impossible("range", format!("{range:?}"), "two finite numbers")),
-        };
-    }
-    let field = &on.scene.mesh.fields()[field_index(recipe, on)?];
-    let range = match (recipe.component, field.n_components) {
-        (Some(c), _) => field.range(c as usize),
-        (None, 1) => field.range(0),
-        (None, n) => {
-            let mut range = crate::assets::field::Range { min: f64::INFINITY, max: f64::NEG_INFINITY, n_missing: 0 };
-            for i in 0..field.n_elements() {
-                let squares = (0..n).map(|c| field.values.at(i * n + c)).map(|x| x * x);
-                let length = squares.sum::<f64>().sqrt();
-                if length.is_finite() {
-                    range.min = range.min.min(length);
-                    range.max = range.max.max(length);
-                }
-            }
-            range
-        }
-    };
-    match range.min <= range.max {
-        true => Ok([range.min, range.max]),
-        false => Err(impossible("field", &field.name, "all of its values are missing")),
-    }
-}
-
 // Which texture is read.
 
 fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended: &mut Vec<Mended>) -> Result<Texture> {
     let seed = recipe.seed.unwrap_or(on.seed);
-    let sources = [&recipe.image, &recipe.procedural, &recipe.table];
-    let n_sources = sources.iter().filter(|s| s.is_some()).count() + recipe.images.is_some() as usize;
+    let words = [&recipe.image, &recipe.procedural, &recipe.table, &recipe.filter];
+    let n_sources = words.iter().filter(|s| s.is_some()).count()
+        + recipe.images.is_some() as usize
+        + recipe.isolines.is_some() as usize;
     if n_sources != 1 {
-        return Err(impossible("layer", n_sources, "a layer reads one of image, images, procedural or table"));
+        let why = "a layer reads one of image, images, procedural, table, isolines or filter";
+        return Err(impossible("layer", n_sources, why));
+    }
+    if recipe.is_data() {
+        return data::texture(recipe, on, target, mended);
     }
     if let Some(name) = &recipe.procedural {
         return Ok(Texture::Procedural(procedural(name, recipe, seed)?));
-    }
-    if let Some(name) = &recipe.table {
-        let table = ColorTable::named(name)
-            .ok_or_else(|| impossible("table", name, crate::recipe::text::guess(name, &ColorTable::NAMES)))?;
-        let [from, to] = field_range(recipe, on)?;
-        let filter = choose_or("mag", &recipe.mag, &FILTERS, Filter::Linear)?;
-        return Ok(Texture::Table(ColorTable { range: [from as f32, to as f32], filter, ..table }));
     }
     let how = how(recipe, target)?;
     if let Some(names) = &recipe.images {
@@ -358,7 +299,7 @@ fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended: &mut Vec<M
     Ok(Texture::Image(ImageTexture::new(&image, &how)))
 }
 
-const FILTERS: [(&str, Filter); 2] = [("nearest", Filter::Nearest), ("linear", Filter::Linear)];
+pub(super) const FILTERS: [(&str, Filter); 2] = [("nearest", Filter::Nearest), ("linear", Filter::Linear)];
 
 /// How an image is prepared.
 fn how(recipe: &LayerRecipe, target: Target) -> Result<Prepare> {

@@ -21,6 +21,8 @@ const N: usize = 8;
 struct Run {
     start: u16,
     end: u16,
+    /// Which set-up: runs of the same triangle and tile share one.
+    set_up: u16,
     triangle: u32,
 }
 
@@ -33,7 +35,7 @@ impl Run {
 }
 
 /// Edge functions of the runs' triangles, `a * x + b * y + c` from their tile's corner: of the second corner, of the third,
-/// and the sum of all three. One entry a run.
+/// and the sum of all three.
 struct SetUps {
     a: [Lane; 3],
     b: [Lane; 3],
@@ -55,12 +57,14 @@ pub const CENTER: Place = [[0.5; N]; 2];
 #[inline(always)]
 pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: &Place, surfels: &mut Surfels) {
     assert!(surfels.n <= BATCH_FILL, "a batch is filled with at most {BATCH_FILL} points");
-    let mut runs = [Run { start: 0, end: 0, triangle: 0 }; BATCH];
+    let mut runs = [Run { start: 0, end: 0, set_up: 0, triangle: 0 }; BATCH];
     let n_runs = find_runs(simd, surfels, &mut runs);
-    let runs = &runs[..n_runs];
+    let runs = &mut runs[..n_runs];
+    let mut firsts = [0; BATCH];
+    let n_firsts = share_set_ups(surfels, runs, &mut firsts);
     const ZERO: Lane = [0.0; BATCH];
     let mut set_ups = SetUps { a: [ZERO; 3], b: [ZERO; 3], c: [ZERO; 3], side: ZERO };
-    set_up(domain, runs, surfels, &mut set_ups);
+    set_up(domain, &firsts[..n_firsts], surfels, &mut set_ups);
     let mut sum = ZERO;
     edges(simd, place, runs, &set_ups, surfels, &mut sum);
     weights(simd, surfels, &mut sum);
@@ -69,11 +73,11 @@ pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: &Place, surf
     let has = |lane: bool, n: usize| lane && n > 0;
     let (tangent, color) = (has(needs.tangent, mesh.tangents().len()), has(needs.color, mesh.colors().len()));
     let needs = Needs { tangent, color, ..needs };
-    for (i, run) in runs.iter().enumerate() {
+    for run in runs.iter() {
         let pick = |lanes: &[Lane; 3]| {
             lanes.each_ref().each(
                 #[inline(always)]
-                |l| l[i],
+                |l| l[run.set_up as usize],
             )
         };
         let slopes = [pick(&set_ups.a), pick(&set_ups.b)];
@@ -161,34 +165,60 @@ fn find_runs<S: Simd>(simd: S, surfels: &Surfels, runs: &mut [Run; BATCH]) -> us
             let end = i + cuts.trailing_zeros() as usize;
             cuts &= cuts - 1;
             if end < surfels.n {
-                runs[n_runs] = Run { start: start as u16, end: end as u16, triangle: surfels.triangle[start] };
+                runs[n_runs] =
+                    Run { start: start as u16, end: end as u16, set_up: 0, triangle: surfels.triangle[start] };
                 n_runs += 1;
                 start = end;
             }
         }
     }
     if surfels.n > 0 {
-        runs[n_runs] = Run { start: start as u16, end: surfels.n as u16, triangle: surfels.triangle[start] };
+        runs[n_runs] = Run { start: start as u16, end: surfels.n as u16, set_up: 0, triangle: surfels.triangle[start] };
         n_runs += 1;
     }
     n_runs
 }
 
-/// The edge functions of each run's triangle, eight runs at a time, in f64: relative to the tile's corner little is lost
+/// Gives runs of the same triangle and tile one set-up: a triangle comes back in every row that it covers. Writes the first
+/// cell of each set-up, and returns how many there are.
+#[inline(always)]
+fn share_set_ups(surfels: &Surfels, runs: &mut [Run], firsts: &mut [u16; BATCH]) -> usize {
+    // Which set-up, plus one, a triangle with these last bits had. Another one's makes for a second set-up, nothing worse.
+    let mut seen = [0_u16; 64];
+    let mut n = 0;
+    for run in runs {
+        let place = &mut seen[run.triangle as usize % 64];
+        let start = run.start as usize;
+        let is_seen = *place != 0 && {
+            let first = firsts[*place as usize - 1] as usize;
+            let same_tile = |k: usize| (surfels.cell[k][first] ^ surfels.cell[k][start]) < TILE as u32;
+            surfels.triangle[first] == run.triangle && same_tile(0) && same_tile(1)
+        };
+        if !is_seen {
+            firsts[n] = run.start;
+            n += 1;
+            *place = n as u16;
+        }
+        run.set_up = *place - 1;
+    }
+    n
+}
+
+/// The edge functions at the given cells of the batch, eight at a time, in f64: relative to the tile's corner little is lost
 /// by cancellation.
 #[inline(always)]
-fn set_up(domain: &Domain, runs: &[Run], surfels: &Surfels, out: &mut SetUps) {
+fn set_up(domain: &Domain, cells: &[u16], surfels: &Surfels, out: &mut SetUps) {
     type Eight = [f64; N];
-    for first in (0..runs.len()).step_by(N) {
+    for first in (0..cells.len()).step_by(N) {
         // Homogeneous corners, x y w each, relative to the origin.
         let mut v = [[[0.0_f32; N]; 3]; 3];
         let mut origin = [[0.0_f32; N]; 2];
         for lane in 0..N {
-            let run = &runs[(first + lane).min(runs.len() - 1)];
+            let cell = cells[(first + lane).min(cells.len() - 1)] as usize;
             for k in 0..2 {
-                origin[k][lane] = (surfels.cell[k][run.start as usize] & !(TILE as u32 - 1)) as i32 as f32;
+                origin[k][lane] = (surfels.cell[k][cell] & !(TILE as u32 - 1)) as i32 as f32;
             }
-            for (corner, &vertex) in v.iter_mut().zip(&domain.mesh.triangles()[run.triangle as usize]) {
+            for (corner, &vertex) in v.iter_mut().zip(&domain.mesh.triangles()[surfels.triangle[cell] as usize]) {
                 let c = domain.corner(vertex);
                 corner[0][lane] = c.x;
                 corner[1][lane] = c.y;
@@ -245,8 +275,8 @@ fn set_up(domain: &Domain, runs: &[Run], surfels: &Surfels, out: &mut SetUps) {
 /// Evaluates edge functions: the second and third corner's into `barycentric`, the sum into `sum`.
 #[inline(always)]
 fn edges<S: Simd>(simd: S, place: &Place, runs: &[Run], set_ups: &SetUps, surfels: &mut Surfels, sum: &mut Lane) {
-    for (i, run) in runs.iter().enumerate() {
-        let splat = |lane: &Lane| f32x8::splat(simd, lane[i]);
+    for run in runs {
+        let splat = |lane: &Lane| f32x8::splat(simd, lane[run.set_up as usize]);
         let (a, b, c) =
             (set_ups.a.each_ref().each(splat), set_ups.b.each_ref().each(splat), set_ups.c.each_ref().each(splat));
         for at in run.vectors() {

@@ -1,0 +1,393 @@
+//! Data layers of a recipe: colour tables, isolines and filters over fields, with ranges found where none are given.
+
+use crate::assets::{Element, Field, Filter as Interpolation, Mesh};
+use crate::color::LinearRgba;
+use crate::error::{Error, Mended, Result, note};
+use crate::lookup::{ColorTable, Filter, Isolines, Keep, Levels, Line, Scale, Shades, Target, Texture};
+use crate::math::{Vec3, vec3};
+use crate::placement::{FieldAxis, Missing, Placement};
+use crate::recipe::layer::{LayerRecipe, Numbers};
+use crate::recipe::stack::{FILTERS, Ground};
+use crate::recipe::words::{choose_or, color, impossible};
+
+/// One property of the surface: a field, or one component of it.
+#[derive(Clone, Copy)]
+struct Property<'a> {
+    index: usize,
+    field: &'a Field,
+    component: Option<usize>,
+}
+
+impl LayerRecipe {
+    /// Whether it shows a field.
+    pub fn is_data(&self) -> bool {
+        self.table.is_some() || self.isolines.is_some() || self.filter.is_some()
+    }
+}
+
+impl<'a> Property<'a> {
+    /// What `NAME[.x|.mag|.0][@faces]` stands for.
+    fn of(recipe: &LayerRecipe, mesh: &'a Mesh) -> Result<Self> {
+        let fields = mesh.fields();
+        let known = || match fields {
+            [] => "the surface carries no data".into(),
+            _ => format!("the surface carries {}", fields.iter().map(describe).collect::<Vec<_>>().join(", ")),
+        };
+        let given = recipe.field.as_deref().ok_or_else(|| impossible("field", "", known()))?;
+        let (name, element) = match given.rsplit_once('@') {
+            Some((name, "vertices" | "points")) => (name, Some(Element::Vertex)),
+            Some((name, "faces" | "cells")) => (name, Some(Element::Face)),
+            Some((name, "corners")) => (name, Some(Element::Corner)),
+            _ => (given, None),
+        };
+        let find = |name: &str| fields.iter().position(|f| f.name == name && element.is_none_or(|e| f.element == e));
+        // A name may have a dot of its own.
+        let (index, suffix) = match (find(name), name.rsplit_once('.')) {
+            (Some(index), _) => (index, None),
+            (None, Some((stem, suffix))) => match find(stem) {
+                Some(index) => (index, Some(suffix)),
+                None => return Err(impossible("field", given, known())),
+            },
+            (None, None) => return Err(impossible("field", given, known())),
+        };
+        let field = &fields[index];
+        let n = field.n_components;
+        let component = match suffix {
+            None => recipe.component.map(|c| c as usize).or((n == 1).then_some(0)),
+            Some("mag") => None,
+            Some("x" | "r") => Some(0),
+            Some("y" | "g") => Some(1),
+            Some("z" | "b") => Some(2),
+            Some("w" | "a") => Some(3),
+            Some(number) => {
+                Some(number.parse().map_err(|_| impossible("component", number, "x, y, z, w, mag, or 0, 1, 2 ..."))?)
+            }
+        };
+        if let Some(c) = component.filter(|c| *c >= n) {
+            return Err(impossible("component", c, format!("the field has {n}, from 0")));
+        }
+        Ok(Self { index, field, component })
+    }
+
+    /// All its values, in the order of the field's elements.
+    fn values(self) -> impl Iterator<Item = f64> + 'a {
+        let Self { field, component, .. } = self;
+        let n = field.n_components;
+        (0..field.n_elements()).map(move |i| match component {
+            Some(c) => field.values.at(i * n + c),
+            None => (0..n).map(|c| field.values.at(i * n + c)).map(|x| x * x).sum::<f64>().sqrt(),
+        })
+    }
+
+    /// As a coordinate: `from` falls on 0, `to` on 1.
+    fn axis(self, [from, to]: [f64; 2], missing: Missing) -> FieldAxis {
+        FieldAxis { missing, ..FieldAxis::over(self.index, self.component, from, to) }
+    }
+}
+
+/// A field as messages name it.
+fn describe(field: &Field) -> String {
+    let element = match field.element {
+        Element::Vertex => "",
+        Element::Face => "@faces",
+        Element::Corner => "@corners",
+    };
+    match field.n_components {
+        1 => format!("{}{element}", field.name),
+        n => format!("{}{element} ({n} components)", field.name),
+    }
+}
+
+/// The colour table of a recipe's layer as the picture shows it, and what a legend says about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// What the values are.
+    pub title: String,
+    /// Their unit; empty when unknown.
+    pub unit: String,
+    /// The colours; its own range is [0, 1] for even scales.
+    pub table: ColorTable,
+    /// The table's name.
+    pub table_name: String,
+    /// The values at its ends.
+    pub range: [f64; 2],
+    /// How many values there are, are missing, lie before and beyond the range.
+    pub counts: [usize; 4],
+    /// How many bands the colours fall into; none: a continuous table.
+    pub bands: Option<u32>,
+}
+
+/// How a layer's values become its texture's coordinate, worked out once.
+struct Plan<'a> {
+    property: Property<'a>,
+    scale: Scale,
+    /// For tables: the values at its ends.
+    range: [f64; 2],
+    /// What falls on 0 and on 1 of the coordinate.
+    unit: [f64; 2],
+    missing: Missing,
+    notes: Vec<Mended>,
+}
+
+fn plan<'a>(recipe: &LayerRecipe, mesh: &'a Mesh) -> Result<Plan<'a>> {
+    let property = Property::of(recipe, mesh)?;
+    let missing = choose_or(
+        "missing_mode",
+        &recipe.missing_mode,
+        &[("nearest", Missing::Nearest), ("fan", Missing::Fan)],
+        Missing::Nearest,
+    )?;
+    let mut notes = Vec::new();
+    if recipe.table.is_none() {
+        let unit = unit_of(recipe, &property)?;
+        return Ok(Plan { property, scale: Scale::Linear, range: unit, unit, missing, notes });
+    }
+    let is_log = recipe.value_scale.as_deref().is_some_and(|s| s.eq_ignore_ascii_case("log"));
+    let range = range(recipe, property, is_log, &mut notes)?;
+    let widest = range[0].abs().max(range[1].abs());
+    let linear = recipe.linear_up_to.unwrap_or(widest * 0.01).max(f64::MIN_POSITIVE) as f32;
+    if !(linear > 0.0 && linear.is_finite()) {
+        return Err(impossible("linear_up_to", linear, "above 0"));
+    }
+    let known = [("linear", Scale::Linear), ("log", Scale::Log), ("symlog", Scale::SymLog { linear })];
+    let scale = choose_or("value_scale", &recipe.value_scale, &known, Scale::Linear)?;
+    if scale == Scale::Log && !(range[0] > 0.0 && range[1] > 0.0) {
+        let why = "a logarithm needs values above 0; value_scale=symlog takes others, too";
+        return Err(impossible("range", format!("{} to {}", range[0], range[1]), why));
+    }
+    // Even scales are counted in f64 from the range's first end, so that a small range far from zero keeps its digits.
+    let unit = if scale == Scale::Linear { range } else { [0.0, 1.0] };
+    Ok(Plan { property, scale, range, unit, missing, notes })
+}
+
+/// What falls on 0 and on 1 for lines and filters: a step, or the ends of what is kept.
+fn unit_of(recipe: &LayerRecipe, property: &Property) -> Result<[f64; 2]> {
+    if recipe.filter.is_some() {
+        let name = &property.field.name;
+        return Ok(match &recipe.threshold {
+            Some(Numbers::One(t)) => [*t as f64, *t as f64 + 1.0],
+            Some(Numbers::Each(v)) if v.len() == 2 && v[0] < v[1] => [v[0] as f64, v[1] as f64],
+            Some(Numbers::Each(v)) if v.len() == 1 => [v[0] as f64, v[0] as f64 + 1.0],
+            _ => {
+                return Err(impossible(
+                    "threshold",
+                    format!("{:?}", recipe.threshold),
+                    format!("a value of {name:?}, or two ascending ones"),
+                ));
+            }
+        });
+    }
+    if let Some(levels) = &recipe.levels {
+        let (least, most) = levels.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        if levels.is_empty() || !(least.is_finite() && most.is_finite()) {
+            return Err(impossible("levels", format!("{levels:?}"), "some finite numbers"));
+        }
+        return Ok([least, if most > least { most } else { least + 1.0 }]);
+    }
+    let step = match recipe.isolines.unwrap_or(0.0) {
+        // Ten or so, round.
+        0.0 => {
+            let range = range(&LayerRecipe::default(), *property, false, &mut Vec::new())?;
+            round_step((range[1] - range[0]) / 10.0)
+        }
+        step => step,
+    };
+    let first = recipe.level.unwrap_or(0.0);
+    match step > 0.0 && step.is_finite() && first.is_finite() {
+        true => Ok([first, first + step]),
+        false => Err(impossible("isolines", step, "a step above 0")),
+    }
+}
+
+/// The 1, 2 or 5 times a power of ten that is nearest from above.
+fn round_step(x: f64) -> f64 {
+    use crate::math::exact::{log10, pow};
+    let power = pow(10.0, log10(x.max(f64::MIN_POSITIVE)).floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * power).find(|step| *step >= x * 0.999).unwrap_or(x)
+}
+
+/// Where a data layer's coordinate comes from.
+pub(super) fn placement(recipe: &LayerRecipe, on: &Ground) -> Result<Placement> {
+    let mesh = &on.scene.mesh;
+    if !recipe.is_data() {
+        let property = Property::of(recipe, mesh)?;
+        let range = range(recipe, property, false, &mut Vec::new())?;
+        return Ok(Placement::Field { axes: [Some(property.axis(range, Missing::Nearest)), None, None] });
+    }
+    let plan = plan(recipe, mesh)?;
+    let axis = plan.property.axis(plan.unit, plan.missing);
+    Ok(match recipe.shades {
+        Some(true) => Placement::FieldInLight { axis, toward: KEY_LIGHT },
+        _ => Placement::Field { axes: [Some(axis), None, None] },
+    })
+}
+
+/// Towards the light of shaded tables, eye space: from the upper left front, as the studio's key light.
+const KEY_LIGHT: Vec3 = vec3(-0.405_579_8, 0.707_106_8, 0.579_227_97);
+
+/// The range that a recipe gives, or that the values have.
+fn range(recipe: &LayerRecipe, property: Property, is_log: bool, notes: &mut Vec<Mended>) -> Result<[f64; 2]> {
+    if let Some(range) = recipe.range {
+        return match range.iter().all(|x| x.is_finite()) {
+            true => Ok(range),
+            false => Err(impossible("range", format!("{range:?}"), "two finite numbers")),
+        };
+    }
+    let name = &property.field.name;
+    let mut values: Vec<f64> = property.values().filter(|x| x.is_finite() && (!is_log || *x > 0.0)).collect();
+    if values.is_empty() {
+        note(notes, 1, format!("field {name:?} has no value to show"));
+        return Ok(if is_log { [1.0, 10.0] } else { [0.0, 1.0] });
+    }
+    let [mut least, mut most] = match recipe.percentiles {
+        None => {
+            let ends = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+            [ends.0, ends.1]
+        }
+        Some(percentiles) => {
+            if !percentiles.iter().all(|p| (0.0..=100.0).contains(p)) {
+                return Err(impossible("percentiles", format!("{percentiles:?}"), "0 to 100"));
+            }
+            percentiles.map(|p| {
+                let at = (p / 100.0 * (values.len() - 1) as f64).round() as usize;
+                *values.select_nth_unstable_by(at, f64::total_cmp).1
+            })
+        }
+    };
+    if least == most {
+        note(notes, values.len(), format!("values of {name:?} are all {least}"));
+        if is_log {
+            (least, most) = (least * 0.5, most * 2.0);
+        } else {
+            let margin = if least == 0.0 { 1.0 } else { least.abs() * 0.5 };
+            (least, most) = (least - margin, most + margin);
+        }
+    }
+    if let Some(center) = recipe.center {
+        let reach = (most - center).abs().max((center - least).abs());
+        (least, most) = (center - reach, center + reach);
+    }
+    Ok([least, most])
+}
+
+/// The texture of a data layer.
+pub(super) fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended: &mut Vec<Mended>) -> Result<Texture> {
+    if recipe.table.is_some() {
+        let (key, notes) = key(recipe, on)?;
+        mended.extend(notes);
+        return Ok(Texture::Table(key.table));
+    }
+    let plan = plan(recipe, &on.scene.mesh)?;
+    let per_unit = 1.0 / (plan.unit[1] - plan.unit[0]);
+    if recipe.isolines.is_some() {
+        return Ok(Texture::Isolines(isolines(recipe, plan.unit)?));
+    }
+    let kept = choose_or("filter", &recipe.filter, &[("above", 0), ("below", 1), ("within", 2)], 0)?;
+    let softness = recipe.softness.unwrap_or(0.0);
+    if !(softness >= 0.0 && softness.is_finite()) {
+        return Err(impossible("softness", softness, "0 or more"));
+    }
+    let white = [1.0; 4];
+    Ok(Texture::Filter(Filter {
+        keep: [Keep::Above(0.0), Keep::Below(0.0), Keep::Within(0.0, 1.0)][kept],
+        softness: (softness * per_unit) as f32,
+        color: recipe.color.as_deref().map_or(Ok(white), |c| color("filter color", c))?,
+        is_number: target != Target::Color,
+    }))
+}
+
+fn isolines(recipe: &LayerRecipe, [first, second]: [f64; 2]) -> Result<Isolines> {
+    let width = recipe.width.unwrap_or(1.25);
+    if !(width > 0.0 && width <= 64.0) {
+        return Err(impossible("width", width, "above 0, at most 64 pixels"));
+    }
+    let dark: LinearRgba = [0.012, 0.012, 0.014, 0.9];
+    let color = recipe.color.as_deref().map_or(Ok(dark), |c| color("line color", c))?;
+    let levels = match &recipe.levels {
+        None => Levels::Steps { step: 1.0, offset: 0.0 },
+        Some(levels) => {
+            let mut places: Vec<f32> = levels.iter().map(|l| ((l - first) / (second - first)) as f32).collect();
+            places.sort_by(f32::total_cmp);
+            Levels::List(places)
+        }
+    };
+    let absent = if recipe.levels.is_some() { 0 } else { 5 };
+    let major = match recipe.major.unwrap_or(absent) {
+        0 => None,
+        every => Some((every, Line { width: width * 2.0, color })),
+    };
+    Ok(Isolines { levels, minor: Line { width, color }, major })
+}
+
+/// A table layer's colours, and what a legend says about them.
+pub(super) fn key(recipe: &LayerRecipe, on: &Ground) -> Result<(Key, Vec<Mended>)> {
+    let plan = plan(recipe, &on.scene.mesh)?;
+    let name = recipe.table.as_deref().unwrap_or("viridis");
+    let mut table = ColorTable::named(name)
+        .ok_or_else(|| impossible("table", name, crate::recipe::text::guess(name, &ColorTable::NAMES)))?;
+    if recipe.reversed == Some(true) {
+        table.colors.reverse();
+    }
+    table.filter = choose_or("mag", &recipe.mag, &FILTERS, Interpolation::Nearest)?;
+    if let Some(n) = recipe.bands {
+        if !(1..=256).contains(&n) {
+            return Err(impossible("bands", n, "1 to 256"));
+        }
+        table = table.banded(n as usize);
+    }
+    table.scale = plan.scale;
+    table.range = if plan.scale == Scale::Linear { [0.0, 1.0] } else { plan.range.map(|x| x as f32) };
+    let word = |what: &str, given: &Option<String>| given.as_deref().map(|c| color(what, c)).transpose();
+    table.below = word("below", &recipe.below)?;
+    table.above = word("above", &recipe.above)?;
+    table.missing = word("missing", &recipe.missing)?.unwrap_or(MISSING);
+    if recipe.shades == Some(true) {
+        table.shades = Some(Shades::of(&table.colors));
+    }
+    let (low, high) = (plan.range[0].min(plan.range[1]), plan.range[0].max(plan.range[1]));
+    let mut counts = [0; 4];
+    for x in plan.property.values() {
+        counts[0] += 1;
+        counts[1] += x.is_nan() as usize;
+        counts[2] += (x < low) as usize;
+        counts[3] += (x > high) as usize;
+    }
+    let field = plan.property.field;
+    let component = match plan.property.component {
+        Some(c) if field.n_components > 1 => {
+            format!(" {}", ["x", "y", "z", "w"].get(c).map_or(c.to_string(), |s| (*s).into()))
+        }
+        None if field.n_components > 1 => " magnitude".into(),
+        _ => String::new(),
+    };
+    let mut notes = plan.notes;
+    note(&mut notes, counts[1], format!("values of {:?} are missing", field.name));
+    let key = Key {
+        title: recipe.label.clone().unwrap_or_else(|| format!("{}{component}", field.name)),
+        unit: recipe.unit_label.clone().unwrap_or_else(|| field.unit.clone()),
+        table,
+        table_name: name.to_owned(),
+        range: plan.range,
+        counts,
+        bands: recipe.bands,
+    };
+    Ok((key, notes))
+}
+
+/// Colour of missing values: a grey that no table shows, a little transparent to nothing.
+const MISSING: LinearRgba = [0.40, 0.40, 0.40, 1.0];
+
+/// The colours of a table layer at the mesh's vertices, for Gouraud's way.
+pub(super) fn vertex_colors(recipe: &LayerRecipe, on: &Ground) -> Result<Vec<LinearRgba>> {
+    let plan = plan(recipe, &on.scene.mesh)?;
+    let (key, _) = key(recipe, on)?;
+    if plan.property.field.element != Element::Vertex {
+        return Err(Error::Parameter {
+            what: "gouraud".into(),
+            given: plan.property.field.name.clone(),
+            why: "it needs one value a vertex".into(),
+        });
+    }
+    let [from, to] = plan.unit;
+    Ok(plan.property.values().map(|x| key.table.color(((x - from) / (to - from)) as f32)).collect())
+}
