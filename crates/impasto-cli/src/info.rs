@@ -18,6 +18,7 @@ use std::path::Path;
   impasto info model.glb
   impasto info scan.ply --json | jq .fields
   impasto info part.stl --up y
+  impasto info cortex.surf.gii --field thickness.csv
   impasto info sample:chameleon")]
 pub(crate) struct Args {
     /// A mesh, a scene, a height map, or sample:NAME.
@@ -31,6 +32,9 @@ pub(crate) struct Args {
     /// Of samples: another seed is another one of the same kind.
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
+    /// Values of another file as fields, as `impasto render --field` takes them. May be repeated.
+    #[arg(long = "field", value_name = "FILE[:COLUMN]")]
+    fields: Vec<String>,
     /// As JSON.
     #[arg(long)]
     json: bool,
@@ -42,6 +46,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         up: args.up.clone(),
         resolution: args.resolution,
         seed: args.seed,
+        fields: args.fields.clone(),
         ..Input::default()
     };
     let Report { value: scene, mended } = recipe::source::scene(&input, Path::new(""))?;

@@ -27,7 +27,8 @@ fn layer(text: &str) -> Result<LayerRecipe, String> {
 /// What is shown, from where, in which light: the same for every command that looks at something.
 #[derive(clap::Args)]
 pub(crate) struct Look {
-    /// A mesh (obj, ply, stl, off, gltf, glb), a height map (asc, dem, npy, npz, 16-bit png or tif), or sample:NAME.
+    /// A mesh (obj, ply, stl, off, gltf, glb, vtk, vtp, vtu, gii, three.js json), a height map (asc, dem, npy, npz, 16-bit
+    /// png or tif), each also as .gz, or sample:NAME.
     #[arg(value_name = "FILE")]
     file: String,
 
@@ -178,6 +179,10 @@ pub(crate) struct Look {
     /// The file's axis that points up: auto, y or z.
     #[arg(long, value_name = "AXIS", help_heading = "Input")]
     up: Option<String>,
+    /// Values of another file as fields: a column of a table or array (csv, tsv, txt, npy, npz), or data of gii, vtk, vtp,
+    /// vtu, ply; row by row, of rows A to B alone with @rows=A..B, or by @id=COLUMN. May be repeated.
+    #[arg(long = "field", value_name = "FILE[:COLUMN]", help_heading = "Input")]
+    fields: Vec<String>,
     /// Lay the surface out anew, for a mesh without texture coordinates.
     #[arg(long, help_heading = "Input")]
     unwrap: bool,
@@ -202,6 +207,7 @@ impl Look {
         input.up.clone_from(&self.up);
         input.texture.clone_from(&self.texture);
         input.unwrap = yes(self.unwrap);
+        input.fields.clone_from(&self.fields);
 
         let camera = &mut recipe.camera;
         match self.camera.as_deref().map(|c| (c, c.split_once(','))) {

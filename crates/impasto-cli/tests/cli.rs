@@ -207,3 +207,29 @@ fn broken_files_give_a_picture_or_one_line() {
         assert!(files(dir.path()).is_empty(), "{file} leaves {:?}", files(dir.path()));
     }
 }
+
+#[test]
+fn values_of_other_files_become_fields() {
+    let dir = tempfile::tempdir().unwrap();
+    let info = |rest: &[&str]| -> serde_json::Value {
+        let args: Vec<&str> =
+            ["info", "sample:cube", "--resolution", "8", "--json"].into_iter().chain(rest.iter().copied()).collect();
+        serde_json::from_str(&ok(dir.path(), &args)).unwrap()
+    };
+    let n = info(&[])["vertices"].as_u64().unwrap();
+    let rows: String = (0..n).map(|i| format!("{i},{}\n", i % 7)).collect();
+    std::fs::write(dir.path().join("t.csv"), format!("id,load\n{rows}")).unwrap();
+    let fields = &info(&["--field", "t.csv:load@unit=N"])["fields"];
+    let found = fields.as_array().unwrap().iter().find(|f| f["name"] == "load").unwrap();
+    assert_eq!((&found["unit"], &found["ranges"][0]["max"]), (&serde_json::json!("N"), &serde_json::json!(6.0)));
+
+    let args = ["--field", "t.csv:load@id=id", "--color-by", "load", "-o", "a.png", "--save-recipe", "r.toml"];
+    ok(dir.path(), &render(&args));
+    let recipe = std::fs::read_to_string(dir.path().join("r.toml")).unwrap();
+    assert!(recipe.contains("fields = [\"t.csv:load@id=id\"]"), "{recipe}");
+    std::fs::remove_file(dir.path().join("a.png")).unwrap();
+    ok(dir.path(), &["run", "r.toml"]);
+    assert!(dir.path().join("a.png").exists());
+    let said = fails(dir.path(), &render(&["--field", "t.csv:lode", "-o", "b.png"]));
+    assert!(said.contains("no column \"lode\" in it; it has 2 columns \"id\", \"load\""), "{said}");
+}

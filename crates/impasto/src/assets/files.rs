@@ -2,8 +2,8 @@
 
 use crate::assets::mend::MendOptions;
 use crate::assets::{
-    Material, Mesh, Neighbours, RawMesh, Scene, TextureImage, TextureRef, UvTransform, glb, gltf_in, height_map,
-    image_files, obj, obj_write, off, ply, ply_write, stl,
+    Element, Material, Mesh, Neighbours, RawMesh, Scene, TextureImage, TextureRef, UvTransform, gifti, glb, gltf_in,
+    height_map, image_files, obj, obj_write, off, packed, ply, ply_write, stl, three_json, vtk, vtk_xml, vtp_write,
 };
 use crate::error::{Error, Mended, Report, Result, note};
 use crate::math::{Bounds, Vec3, vec3};
@@ -13,7 +13,8 @@ use std::path::{Component, Path, PathBuf};
 /// Which axis of a file points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Up {
-    /// As is the custom of the format: Z for STL, Y for OBJ, PLY and OFF; glTF and height maps say it themselves.
+    /// As is the custom of the format: Z for STL and GIfTI, Y for OBJ, PLY, OFF and VTK; glTF and height maps say it
+    /// themselves.
     #[default]
     Auto,
     /// +Y, as here.
@@ -32,17 +33,18 @@ pub struct LoadOptions {
 }
 
 /// What `load` can read, for messages.
-pub const SCENE_FORMATS: &str = "obj, ply, stl, off, gltf, glb, asc, dem, npy, npz, png, tif";
+pub const SCENE_FORMATS: &str = "obj, ply, stl, off, gltf, glb, vtk, vtp, vtu, vts, vtr, vti, gii, json (three.js), asc, dem, \
+                                 npy, npz, png, tif, each also as .gz";
 
 /// What `save_mesh` can write, for messages.
-pub const MESH_FORMATS: &str = "obj, ply, stl, glb";
+pub const MESH_FORMATS: &str = "obj, ply, stl, glb, vtp";
 
 /// Reads a mesh, a scene or a height map, whichever the file is; its name's extension decides, then its first bytes.
 ///
 /// An image file is read as a height map. What the file refers to is sought beside it.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Report<Scene>> {
-    let bytes = read_file(path)?;
-    let format = Format::of(path, &bytes)?;
+    let (bytes, name) = read_unpacked(path)?;
+    let format = Format::of(path, &name, &bytes)?;
     let neighbours = |name: &str| neighbour(path, name);
     let mut report = match format {
         Format::Gltf => gltf_in::read(&bytes, path, &neighbours)?,
@@ -52,6 +54,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Report<Scene>> {
                 Format::Obj => obj::read_loose(&bytes, path, &neighbours)?,
                 Format::Ply => ply::read_loose(&bytes, path, &neighbours)?,
                 Format::Stl => stl::read_loose(&bytes, path)?,
+                Format::Vtk => vtk::read_loose(&bytes, path)?,
+                Format::VtkXml => vtk_xml::read_loose(&bytes, path)?,
+                Format::Gifti => gifti::read_loose(&bytes, path)?,
+                Format::ThreeJson => three_json::read_loose(&bytes, path)?,
                 _ => off::read_loose(&bytes, path)?,
             };
             // The file's bytes are given back before mending takes memory for its work.
@@ -62,6 +68,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Report<Scene>> {
     let is_z = match (options.up, format) {
         (Up::Auto, Format::Stl) => {
             report.value.up_note = "STL does not say what is up: +Z, as is the custom of CAD".into();
+            true
+        }
+        (Up::Auto, Format::Gifti) => {
+            report.value.up_note = "+Z is up, as GIfTI has it: x right, y forward, z up".into();
             true
         }
         (Up::Auto | Up::Y, _) => false,
@@ -81,22 +91,36 @@ pub fn load_image(path: &Path) -> Result<Report<TextureImage>> {
     image_files::read(&read_file(path)?, path)
 }
 
-/// Writes a mesh with what the format holds; the file name's extension decides.
+/// Writes a mesh with what the format holds; the file name's extension decides. Tells which fields are lost.
 ///
-/// OBJ comes with a material library and PNG textures beside it, GLB holds them. PLY keeps every field, but no materials;
-/// STL keeps triangles alone.
-pub fn save_mesh(path: &Path, scene: &Scene) -> Result<()> {
-    let bytes = match extension(path).as_str() {
-        "obj" => return obj_write::save(path, scene),
+/// OBJ comes with a material library and PNG textures beside it, GLB holds them. PLY keeps every field, VTP those of vertices
+/// and faces, GLB those of vertices; PLY and VTP keep no materials, STL keeps triangles alone.
+pub fn save_mesh(path: &Path, scene: &Scene) -> Result<Vec<Mended>> {
+    use Element::{Corner, Face, Vertex};
+    let (extension, mut lost) = (extension(path), Vec::new());
+    let no_place: &[Element] = match extension.as_str() {
+        "obj" | "stl" => &[Vertex, Face, Corner],
+        "glb" => &[Face, Corner],
+        "vtp" => &[Corner],
+        _ => &[],
+    };
+    vtp_write::note_lost(&scene.mesh, no_place, &mut lost);
+    let bytes = match extension.as_str() {
+        "obj" => {
+            obj_write::save(path, scene)?;
+            return Ok(lost);
+        }
         "ply" => ply_write::write(&scene.mesh),
         "stl" => stl::write(&scene.mesh),
         "glb" => glb::write(scene)?,
+        "vtp" => vtp_write::write(&scene.mesh).value,
         other => {
             let kind = kind_of(other);
             return Err(Error::UnknownFormat { path: path.into(), kind, verb: "writes", known: MESH_FORMATS });
         }
     };
-    write_atomically(path, |w| w.write_all(&bytes))
+    write_atomically(path, |w| w.write_all(&bytes))?;
+    Ok(lost)
 }
 
 /// Writes a file beside its place and moves it there when it is whole. Nothing is left behind on failure.
@@ -163,7 +187,8 @@ pub fn neighbour(path: &Path, name: &str) -> io::Result<Vec<u8>> {
     Err(first_error.unwrap_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "no file name")))
 }
 
-fn percent_decoded(name: &str) -> String {
+/// Text with `%20` for a blank and the like, as it is meant.
+pub(super) fn percent_decoded(name: &str) -> String {
     let hex = |b: Option<&u8>| b.and_then(|b| (*b as char).to_digit(16));
     let bytes = name.as_bytes();
     let (mut out, mut i) = (Vec::with_capacity(bytes.len()), 0);
@@ -198,6 +223,18 @@ fn read_file(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// A file's bytes, unpacked if it is a gzip archive, and its name without `.gz`, by which it is known.
+pub(super) fn read_unpacked(path: &Path) -> Result<(Vec<u8>, PathBuf)> {
+    let bytes = read_file(path)?;
+    if !bytes.starts_with(&[0x1f, 0x8b]) {
+        return Ok((bytes, path.into()));
+    }
+    let unpacked = packed::gunzip(&bytes, packed::MAX_UNPACKED);
+    let unpacked = unpacked.map_err(|fault| Error::Format { path: path.into(), fault })?;
+    let name = if extension(path) == "gz" { path.with_extension("") } else { path.into() };
+    Ok((unpacked, name))
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Obj,
@@ -205,18 +242,27 @@ enum Format {
     Stl,
     Off,
     Gltf,
+    Vtk,
+    VtkXml,
+    Gifti,
+    ThreeJson,
     HeightMap(height_map::Kind),
 }
 
 impl Format {
-    fn of(path: &Path, bytes: &[u8]) -> Result<Self> {
+    /// By the extension of `name`, then by the first bytes; `path` is for messages.
+    fn of(path: &Path, name: &Path, bytes: &[u8]) -> Result<Self> {
         use height_map::Kind;
-        let by_name = match extension(path).as_str() {
+        let by_name = match extension(name).as_str() {
             "obj" => Some(Self::Obj),
             "ply" => Some(Self::Ply),
             "stl" => Some(Self::Stl),
             "off" | "coff" | "noff" | "stoff" => Some(Self::Off),
             "gltf" | "glb" => Some(Self::Gltf),
+            "vtk" => Some(Self::Vtk),
+            "vtp" | "vtu" | "vts" | "vtr" | "vti" => Some(Self::VtkXml),
+            "gii" => Some(Self::Gifti),
+            "json" => Some(Self::ThreeJson),
             "asc" => Some(Self::HeightMap(Kind::Asc)),
             "dem" => Some(Self::HeightMap(Kind::Dem)),
             "npy" => Some(Self::HeightMap(Kind::Npy)),
@@ -228,6 +274,8 @@ impl Format {
             return Ok(format);
         }
         let starts = |magic: &[u8]| bytes.starts_with(magic);
+        let head = &bytes[..bytes.len().min(1024)];
+        let holds = |word: &[u8]| head.windows(word.len()).any(|w| w == word);
         let first_word = bytes.split(|b| *b <= b' ').next().unwrap_or_default();
         Ok(match () {
             _ if starts(b"ply\n") || starts(b"ply\r") => Self::Ply,
@@ -236,12 +284,15 @@ impl Format {
             _ if starts(b"\x89PNG") || starts(b"II*\0") || starts(b"MM\0*") => Self::HeightMap(Kind::Image),
             _ if starts(b"ncols") || starts(b"NCOLS") => Self::HeightMap(Kind::Asc),
             _ if starts(b"solid ") => Self::Stl,
+            _ if starts(b"# vtk DataFile") => Self::Vtk,
+            _ if holds(b"<VTKFile") => Self::VtkXml,
+            _ if holds(b"<GIFTI") => Self::Gifti,
+            _ if starts(b"{") && holds(b"BufferGeometry") => Self::ThreeJson,
             _ if first_word.ends_with(b"OFF") => Self::Off,
             _ => {
                 let kind = match () {
-                    _ if starts(&[0x1f, 0x8b]) => "a gzip archive".into(),
                     _ if starts(b"PK\x03\x04") => "a zip archive".into(),
-                    _ => kind_of(&extension(path)),
+                    _ => kind_of(&extension(name)),
                 };
                 return Err(Error::UnknownFormat { path: path.into(), kind, verb: "reads", known: SCENE_FORMATS });
             }
@@ -249,11 +300,11 @@ impl Format {
     }
 }
 
-fn extension(path: &Path) -> String {
+pub(super) fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
-fn kind_of(extension: &str) -> String {
+pub(super) fn kind_of(extension: &str) -> String {
     if extension.is_empty() { "a name without extension".into() } else { format!(".{extension}") }
 }
 

@@ -218,7 +218,7 @@ fn files_that_are_none_are_refused_in_one_line() {
     for (name, bytes, wanted) in [
         ("a.obj", &b""[..], "the file is empty"),
         ("a.xyz", b"1 2 3", ".xyz is not a format Impasto reads"),
-        ("a", b"\x1f\x8b\x08", "a gzip archive is not a format"),
+        ("a", b"\x1f\x8b\x08", "packed bytes cannot be unpacked"),
         ("b", b"what", "a name without extension"),
     ] {
         let path = folder.path().join(name);
@@ -235,4 +235,76 @@ fn files_that_are_none_are_refused_in_one_line() {
     assert!(
         save_mesh(Path::new("a.fbx"), &scene).unwrap_err().to_string().contains(".fbx is not a format Impasto writes")
     );
+}
+
+#[test]
+fn real_data_have_the_counts_of_their_catalogue() {
+    // Triangles, points and faces of the file, fields.
+    for (name, triangles, points, faces, fields) in [
+        ("vtk/hexbeam.vtk", 176, 99, 40, 3),
+        ("vtk/uGridEx.vtk", 40, 27, 12, 2),
+        ("vtk/rbc_001.vtk", 996, 500, 996, 0),
+        ("vtk/SampleStructGrid.vtk", 9692, 24000, 21489, 2),
+        ("vtk/pyramid_ug.vtu", 6, 5, 1, 3),
+        ("fem/calculix_thermomech.vtu", 288, 162, 64, 6),
+        ("fem/pressure.json", 8352, 25110, 8370, 1),
+        ("brain_conte69/conte69_32k_lh.gii", 64980, 32492, 64980, 0),
+        ("brain_conte69/conte69_32k_rh.gii", 64980, 32492, 64980, 0),
+    ] {
+        let Some(report) = load_shared(&format!("5_science/{name}")) else { return };
+        let mesh = &report.value.mesh;
+        println!("{name}: {} {}", told(&report), report.value.up_note);
+        let got = (mesh.triangles().len(), mesh.n_source_points(), mesh.n_source_faces(), mesh.fields().len());
+        assert_eq!(got, (triangles, points, faces, fields), "{name}");
+    }
+}
+
+#[test]
+fn real_tables_join_real_surfaces() {
+    use crate::assets::join::{self, JoinOptions};
+    let Some(mut report) = load_shared("5_science/brain_conte69/conte69_32k_rh.gii") else { return };
+    let columns = join::read(&shared("5_science/brain_conte69/conte69_32k_thickness.csv").unwrap()).unwrap().value;
+    assert!(columns.join(&mut report.value.mesh, &JoinOptions::default()).is_err());
+    let half = JoinOptions { rows: Some(32492..64984), name: Some("thickness".into()), ..Default::default() };
+    assert!(columns.join(&mut report.value.mesh, &half).unwrap().is_empty());
+    let mesh = &report.value.mesh;
+    let field = &mesh.fields()[0];
+    let source = mesh.source_points().get(77).map_or(77, |s| *s as usize);
+    assert_eq!((field.name.as_str(), field.n_elements()), ("thickness", mesh.positions().len()));
+    assert_eq!(field.values.at(77), columns.columns[0].values.at(32492 + source));
+    assert!(field.range(0).n_missing > 3000 && field.range(0).min > 1.0);
+}
+
+#[test]
+fn gzip_archives_are_read_as_what_they_hold() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.off.gz");
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), Default::default());
+    packed.write_all(b"OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").unwrap();
+    std::fs::write(&path, packed.finish().unwrap()).unwrap();
+    assert_eq!(load(&path, &LoadOptions::default()).unwrap().value.mesh.triangles().len(), 1);
+    let vtp = folder.path().join("b.vtp");
+    let scene = load(&path, &LoadOptions::default()).unwrap().value;
+    assert_eq!(save_mesh(&vtp, &scene).unwrap(), []);
+    assert_eq!(load(&vtp, &LoadOptions::default()).unwrap().value.mesh.positions(), scene.mesh.positions());
+}
+
+#[test]
+fn real_data_with_broken_bytes_give_an_error_or_a_mesh() {
+    use crate::assets::broken;
+    type Read = fn(&[u8], &Path) -> Result<Loose>;
+    const ROWS: [(&str, u32, Read); 7] = [
+        ("vtk/hexbeam.vtk", 300, vtk::read_loose),
+        ("vtk/uGridEx.vtk", 300, vtk::read_loose),
+        ("vtk/SampleStructGrid.vtk", 6, vtk::read_loose),
+        ("vtk/pyramid_ug.vtu", 500, vtk_xml::read_loose),
+        ("fem/calculix_thermomech.vtu", 200, vtk_xml::read_loose),
+        ("fem/pressure.json", 6, three_json::read_loose),
+        ("brain_conte69/conte69_32k_lh.gii", 6, gifti::read_loose),
+    ];
+    for (name, n, read) in ROWS {
+        let Some(path) = shared(&format!("5_science/{name}")) else { return };
+        let bytes = std::fs::read(&path).unwrap();
+        broken::check(&bytes, n, |b| Ok(read(b, &path)?.mend().map(|scene| scene.mesh)));
+    }
 }

@@ -4,6 +4,7 @@
 //! normals. Everything is linear in time (but for sorting of what is broken) and single-threaded, with results that
 //! depend on nothing but the input. A mesh without defects is not copied.
 
+use crate::assets::mesh::n_sources;
 use crate::assets::normals::{self, Creases};
 use crate::assets::weld::Weld;
 use crate::assets::winding;
@@ -273,6 +274,7 @@ impl Work {
             return;
         }
         let m = &mut self.mesh;
+        m.n_source_faces = n_sources(m.n_source_faces, &m.source_faces, m.triangles.len());
         if m.source_faces.is_empty() {
             m.source_faces = (0..m.triangles.len() as u32).collect();
         }

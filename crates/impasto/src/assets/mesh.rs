@@ -50,6 +50,10 @@ pub struct RawMesh {
     pub source_points: Vec<u32>,
     /// For each triangle, which of the file's polygons it came from; empty: itself.
     pub source_faces: Vec<u32>,
+    /// How many points the file has; 0: as many as `source_points` tells of.
+    pub n_source_points: usize,
+    /// How many polygons the file has; 0: as many as `source_faces` tells of.
+    pub n_source_faces: usize,
 }
 
 /// A triangle mesh that later stages can trust. Immutable; made by [`RawMesh::mend`].
@@ -114,6 +118,14 @@ impl Mesh {
     pub fn source_faces(&self) -> &[u32] {
         &self.raw.source_faces
     }
+    /// How many points the file has, those included that are not part of the mesh.
+    pub fn n_source_points(&self) -> usize {
+        n_sources(self.raw.n_source_points, &self.raw.source_points, self.raw.positions.len())
+    }
+    /// How many polygons the file has, those included that are not part of the mesh.
+    pub fn n_source_faces(&self) -> usize {
+        n_sources(self.raw.n_source_faces, &self.raw.source_faces, self.raw.triangles.len())
+    }
     /// The box around all positions.
     pub fn bounds(&self) -> Bounds {
         self.bounds.unwrap_or(Bounds::EMPTY)
@@ -129,5 +141,13 @@ impl Mesh {
             Element::Face => self.raw.triangles.len(),
             Element::Corner => self.raw.triangles.len() * 3,
         }
+    }
+}
+
+/// How many points or polygons a file has, as far as is known.
+pub(super) fn n_sources(known: usize, sources: &[u32], n_elements: usize) -> usize {
+    match sources.iter().max() {
+        None => known.max(n_elements),
+        Some(last) => known.max(*last as usize + 1),
     }
 }

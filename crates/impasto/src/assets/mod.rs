@@ -4,25 +4,33 @@
 //! that the engine also runs where there is no file system. The first valid form of everything is [`Mesh`], [`Image`],
 //! [`Field`], [`Scene`]; no format's quirk gets past its reader.
 
+#[cfg(test)]
+mod broken;
+mod cells;
+mod dataset;
 mod dem;
 mod edges;
 pub mod field;
 pub mod files;
+pub mod gifti;
 pub mod glb;
 pub mod gltf_in;
 pub mod height_map;
 pub mod image;
 pub mod image_files;
 pub mod image_write;
+pub mod join;
 pub mod material;
 pub mod mend;
 pub mod mesh;
 mod mtl;
 mod normals;
 pub mod npy;
+mod numbers;
 pub mod obj;
 mod obj_write;
 pub mod off;
+mod packed;
 mod pieces;
 pub mod ply;
 mod ply_header;
@@ -31,8 +39,13 @@ mod polygon;
 pub mod scene;
 mod split;
 pub mod stl;
+mod table;
 mod text;
+pub mod three_json;
 pub mod topology;
+pub mod vtk;
+pub mod vtk_xml;
+pub mod vtp_write;
 mod weld;
 mod winding;
 

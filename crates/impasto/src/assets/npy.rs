@@ -121,6 +121,29 @@ fn half(bits: u16) -> f64 {
 /// Archives can claim anything: no array may take more memory.
 const MAX_UNPACKED: u64 = 256 << 20;
 
+/// All arrays of numbers in an archive, with their names; what is none is passed over.
+pub(super) fn read_all(bytes: &[u8], path: &Path) -> Result<Vec<(String, Array)>> {
+    let mut archive =
+        zip::ZipArchive::new(Cursor::new(bytes)).map_err(|e| format_error(path, format!("not a zip archive: {e}")))?;
+    let (mut arrays, mut room) = (Vec::new(), MAX_UNPACKED);
+    for i in 0..archive.len().min(4096) {
+        let mut data = Vec::new();
+        let entry = archive.by_index(i).map_err(|e| format_error(path, e.to_string()))?;
+        let Ok(full_name) = entry.name().map(|n| n.into_owned()) else { continue };
+        let Some(name) = full_name.strip_suffix(".npy") else { continue };
+        let unpacked = entry.take(room).read_to_end(&mut data);
+        unpacked.map_err(|e| format_error(path, format!("array {name:?}: {e}")))?;
+        room -= data.len() as u64;
+        if room == 0 {
+            return Err(format_error(path, format!("its arrays unpack to more than {} MiB", MAX_UNPACKED >> 20)));
+        }
+        if let Ok(array) = read(&data, path) {
+            arrays.push((name.to_string(), array));
+        }
+    }
+    Ok(arrays)
+}
+
 /// The grid of an archive, with what its other arrays say about the size of cells (`dx`, `dy`, `xmin`, `ymin` ...).
 pub(super) fn read_npz(bytes: &[u8], path: &Path, key: Option<&str>) -> Result<HeightMap> {
     let mut archive =

@@ -10,7 +10,8 @@
 
 use crate::assets::files::{self, Loose};
 use crate::assets::mend::MendOptions;
-use crate::assets::ply_header::{ElementHeader, Encoding, Header, Kind, Property};
+use crate::assets::numbers::{Kind, index};
+use crate::assets::ply_header::{ElementHeader, Encoding, Header, Property};
 use crate::assets::polygon::Triangulator;
 use crate::assets::split::{self, CornerUv};
 use crate::assets::text::{Words, format_error, number, parse_error};
@@ -674,11 +675,6 @@ impl CornerList {
             }
         }
     }
-}
-
-/// An index as a number; one that is none becomes an index out of range.
-fn index(x: f64) -> u32 {
-    if x >= 0.0 && x < u32::MAX as f64 { x as u32 } else { u32::MAX }
 }
 
 /// Triangles of strips in one list, each ended by -1.

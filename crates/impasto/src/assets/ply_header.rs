@@ -1,5 +1,6 @@
 //! The header of a PLY file: which elements, with which properties, in which encoding.
 
+use crate::assets::numbers::Kind;
 use crate::assets::text::{Lines, Words, format_error, integer, parse_error, string, trimmed};
 use crate::error::Result;
 use std::path::Path;
@@ -44,73 +45,19 @@ pub(super) struct Property {
     pub(super) list: Option<Kind>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Kind {
-    fn of(name: &[u8]) -> Option<Self> {
-        Some(match name {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"float" | b"float32" => Self::F32,
-            b"double" | b"float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    /// Bytes.
-    pub(super) fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
-    }
-
-    /// Whether f32 holds all its values exactly.
-    pub(super) fn fits_f32(self) -> bool {
-        !matches!(self, Self::I32 | Self::U32 | Self::F64)
-    }
-
-    /// Whether it is a kind for measures rather than counts.
-    pub(super) fn is_float(self) -> bool {
-        matches!(self, Self::F32 | Self::F64)
-    }
-
-    /// The number in `size` bytes.
-    #[inline]
-    pub(super) fn number(self, bytes: &[u8], little: bool) -> f64 {
-        let mut b = [0; 8];
-        let n = self.size();
-        b[..n].copy_from_slice(&bytes[..n]);
-        if !little {
-            b[..n].reverse();
-        }
-        match self {
-            Self::I8 => b[0] as i8 as f64,
-            Self::U8 => b[0] as f64,
-            Self::I16 => i16::from_le_bytes([b[0], b[1]]) as f64,
-            Self::U16 => u16::from_le_bytes([b[0], b[1]]) as f64,
-            Self::I32 => i32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f64,
-            Self::U32 => u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f64,
-            Self::F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f64,
-            Self::F64 => f64::from_le_bytes(b),
-        }
-    }
+/// The kind of number that PLY calls by this name.
+fn kind_of(name: &[u8]) -> Option<Kind> {
+    Some(match name {
+        b"char" | b"int8" => Kind::I8,
+        b"uchar" | b"uint8" => Kind::U8,
+        b"short" | b"int16" => Kind::I16,
+        b"ushort" | b"uint16" => Kind::U16,
+        b"int" | b"int32" => Kind::I32,
+        b"uint" | b"uint32" => Kind::U32,
+        b"float" | b"float32" => Kind::F32,
+        b"double" | b"float64" => Kind::F64,
+        _ => return None,
+    })
 }
 
 impl ElementHeader {
@@ -201,8 +148,8 @@ fn property(mut words: Words) -> Option<Property> {
     let mut kind = words.next()?;
     let mut list = None;
     if kind == b"list" {
-        list = Some(Kind::of(words.next()?)?);
+        list = Some(kind_of(words.next()?)?);
         kind = words.next()?;
     }
-    Some(Property { kind: Kind::of(kind)?, list, name: string(words.next()?) })
+    Some(Property { kind: kind_of(kind)?, list, name: string(words.next()?) })
 }

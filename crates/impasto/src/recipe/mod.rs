@@ -7,6 +7,7 @@
 pub mod data;
 pub mod layer;
 pub mod output;
+mod outside;
 mod stack;
 pub mod render;
 pub mod prepare;
@@ -82,6 +83,10 @@ pub struct Input {
     pub texture: Option<String>,
     /// Lay the surface out anew (UV set `unwrapped`, which layers then use).
     pub unwrap: Option<bool>,
+    /// Values of other files that become fields: `FILE`, `FILE:COLUMN`, and after it `@rows=0..100`, `@id=COLUMN`,
+    /// `@on=vertices` or `@on=faces`, `@as=NAME`, `@unit=TEXT`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub fields: Vec<String>,
 }
 
 /// From where a surface is seen.

@@ -3,6 +3,7 @@
 use crate::assets::{Scene, TextureImage, files};
 use crate::error::{Mended, Report, Result};
 use crate::math::Size;
+use crate::recipe::outside;
 use crate::recipe::text::guess;
 use crate::recipe::words::{choose_or, impossible};
 use crate::recipe::{Input, Recipe};
@@ -17,6 +18,13 @@ pub const SAMPLE: &str = "sample:";
 /// # Errors
 /// What the reader says; `Parameter` for names that are not known.
 pub fn scene(input: &Input, base: &Path) -> Result<Report<Scene>> {
+    let mut report = bare_scene(input, base)?;
+    outside::join(&input.fields, base, &mut report.value, &mut report.mended)?;
+    Ok(report)
+}
+
+/// The same before values from outside are joined to it.
+fn bare_scene(input: &Input, base: &Path) -> Result<Report<Scene>> {
     let file = input.file.as_deref().ok_or_else(|| impossible("input", "", "a file, or sample:NAME"))?;
     if let Some(name) = file.strip_prefix(SAMPLE) {
         return sample_scene(name, input).map(Report::clean);

@@ -1,0 +1,4 @@
+//! Any bytes as VTK's XML form: an error or a valid mesh, never a panic.
+#![no_main]
+
+impasto_fuzz::mesh_target!(impasto::assets::vtk_xml::read);
