@@ -21,11 +21,14 @@ use std::path::Path;
   impasto info cortex.surf.gii --field thickness.csv
   impasto info sample:chameleon")]
 pub(crate) struct Args {
-    /// A mesh, a scene, a height map, or sample:NAME.
+    /// A mesh, a scene, a height map, a grid, a molecule, or sample:NAME.
     file: String,
     /// The file's axis that points up: auto, y or z.
     #[arg(long, value_name = "AXIS")]
     up: Option<String>,
+    /// Of grids: the value whose isosurface is shown; without it one that suits the values.
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    isolevel: Option<f64>,
     /// Of samples: how fine the surface is.
     #[arg(long, value_name = "N")]
     resolution: Option<u32>,
@@ -44,6 +47,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let input = Input {
         file: Some(args.file.clone()),
         up: args.up.clone(),
+        isolevel: args.isolevel,
         resolution: args.resolution,
         seed: args.seed,
         fields: args.fields.clone(),

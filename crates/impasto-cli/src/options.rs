@@ -183,6 +183,9 @@ pub(crate) struct Look {
     /// vtu, ply; row by row, of rows A to B alone with @rows=A..B, or by @id=COLUMN. May be repeated.
     #[arg(long = "field", value_name = "FILE[:COLUMN]", help_heading = "Input")]
     fields: Vec<String>,
+    /// Of grids: the value whose isosurface is shown; without it one that suits the values.
+    #[arg(long, value_name = "VALUE", help_heading = "Input", allow_negative_numbers = true)]
+    isolevel: Option<f64>,
     /// Lay the surface out anew, for a mesh without texture coordinates.
     #[arg(long, help_heading = "Input")]
     unwrap: bool,
@@ -205,6 +208,7 @@ impl Look {
         input.resolution = self.resolution;
         input.seed = self.seed;
         input.up.clone_from(&self.up);
+        input.isolevel = self.isolevel;
         input.texture.clone_from(&self.texture);
         input.unwrap = yes(self.unwrap);
         input.fields.clone_from(&self.fields);

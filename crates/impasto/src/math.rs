@@ -4,7 +4,9 @@
 //! code uses the f64 functions re-exported in [`exact`]; per-pixel code the f32 polynomials [`exp2`], [`log2`],
 //! [`pow`], [`sin_cos`], [`atan2`], [`acos`].
 
-pub use glam::{DMat4, DVec2, DVec3, DVec4, IVec2, Mat3, Mat4, UVec2, Vec2, Vec3, Vec4, dvec3, vec2, vec3, vec4};
+pub use glam::{
+    DMat3, DMat4, DVec2, DVec3, DVec4, IVec2, Mat3, Mat4, UVec2, Vec2, Vec3, Vec4, dvec3, vec2, vec3, vec4,
+};
 
 /// How many cells a batch holds at most: shading runs as short passes over this many numbers at a time.
 pub const BATCH: usize = 256;

@@ -2,8 +2,9 @@
 
 use crate::assets::mend::MendOptions;
 use crate::assets::{
-    Element, Material, Mesh, Neighbours, RawMesh, Scene, TextureImage, TextureRef, UvTransform, gifti, glb, gltf_in,
-    height_map, image_files, obj, obj_write, off, packed, ply, ply_write, stl, three_json, vtk, vtk_xml, vtp_write,
+    Element, Material, Mesh, Molecule, Neighbours, RawMesh, Scene, TextureImage, TextureRef, UvTransform, gifti, glb,
+    gltf_in, height_map, image_files, molecular_surface, obj, obj_write, off, packed, pdb, ply, ply_write, pqr, stl,
+    three_json, volume, volume_scene, vtk, vtk_xml, vtp_write,
 };
 use crate::error::{Error, Mended, Report, Result, note};
 use crate::math::{Bounds, Vec3, vec3};
@@ -30,18 +31,22 @@ pub struct LoadOptions {
     pub up: Up,
     /// Height maps: how cells and numbers become lengths.
     pub height_map: height_map::Options,
+    /// Grids: the value whose isosurface is shown; none: one that suits the values ([`isolevel`](super::isolevel)).
+    pub isolevel: Option<f64>,
 }
 
 /// What `load` can read, for messages.
 pub const SCENE_FORMATS: &str = "obj, ply, stl, off, gltf, glb, vtk, vtp, vtu, vts, vtr, vti, gii, json (three.js), asc, dem, \
-                                 npy, npz, png, tif, each also as .gz";
+                                 npy, npz, png, tif, cube, dx, mrc, map, ccp4, nrrd, pdb, pqr, each also as .gz";
 
 /// What `save_mesh` can write, for messages.
 pub const MESH_FORMATS: &str = "obj, ply, stl, glb, vtp";
 
-/// Reads a mesh, a scene or a height map, whichever the file is; its name's extension decides, then its first bytes.
+/// Reads a mesh, a scene, a height map, a grid or a molecule, whichever the file is; its name's extension decides, then
+/// its first bytes. Files that are packed (`.gz`) are unpacked.
 ///
-/// An image file is read as a height map. What the file refers to is sought beside it.
+/// An image file is read as a height map. Grids become an isosurface, molecules their smooth surface. What the file refers
+/// to is sought beside it.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Report<Scene>> {
     let (bytes, name) = read_unpacked(path)?;
     let format = Format::of(path, &name, &bytes)?;
@@ -49,6 +54,15 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Report<Scene>> {
     let mut report = match format {
         Format::Gltf => gltf_in::read(&bytes, path, &neighbours)?,
         Format::HeightMap(kind) => height_map::read_as(kind, &bytes, path, &options.height_map)?,
+        Format::Volume(kind) => {
+            let Report { value, mut mended } = volume::read_as(kind, &bytes, path)?;
+            drop(bytes);
+            let mut report = volume_scene::to_scene(value, kind, name_of(path), options.isolevel)?;
+            mended.append(&mut report.mended);
+            Report { mended, ..report }
+        }
+        Format::Pdb => molecule_scene(pdb::read(&bytes, path)?, path)?,
+        Format::Pqr => molecule_scene(pqr::read(&bytes, path)?, path)?,
         _ => {
             let loose = match format {
                 Format::Obj => obj::read_loose(&bytes, path, &neighbours)?,
@@ -85,6 +99,32 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Report<Scene>> {
     }
     Ok(report)
 }
+
+/// A molecule's surface.
+fn molecule_scene(report: Report<Molecule>, path: &Path) -> Result<Report<Scene>> {
+    let Report { value, mut mended } = report;
+    let mut report = molecular_surface::scene(&value, name_of(path), &Default::default());
+    if report.value.mesh.triangles().is_empty() {
+        return Err(Error::Format { path: path.into(), fault: "its atoms lie too far apart for a surface".into() });
+    }
+    mended.append(&mut report.mended);
+    Ok(Report { mended, ..report })
+}
+
+/// Reads the values on 3-D grids that a file holds, and what atoms come with them.
+pub fn load_volume(path: &Path) -> Result<Report<volume::Volume>> {
+    let (bytes, name) = read_unpacked(path)?;
+    match Format::of(path, &name, &bytes) {
+        Ok(Format::Volume(kind)) => volume::read_as(kind, &bytes, path),
+        _ => {
+            let kind = kind_of(&extension(&name));
+            Err(Error::UnknownFormat { path: path.into(), kind, verb: "reads as a grid", known: VOLUME_FORMATS })
+        }
+    }
+}
+
+/// What `load_volume` can read, for messages.
+pub const VOLUME_FORMATS: &str = "cube, dx, mrc, map, ccp4, nrrd; also packed as .gz";
 
 /// Reads an image of any kind that is known.
 pub fn load_image(path: &Path) -> Result<Report<TextureImage>> {
@@ -247,6 +287,9 @@ enum Format {
     Gifti,
     ThreeJson,
     HeightMap(height_map::Kind),
+    Volume(volume::Kind),
+    Pdb,
+    Pqr,
 }
 
 impl Format {
@@ -268,6 +311,12 @@ impl Format {
             "npy" => Some(Self::HeightMap(Kind::Npy)),
             "npz" => Some(Self::HeightMap(Kind::Npz)),
             "png" | "tif" | "tiff" => Some(Self::HeightMap(Kind::Image)),
+            "cube" | "cub" => Some(Self::Volume(volume::Kind::Cube)),
+            "dx" => Some(Self::Volume(volume::Kind::Dx)),
+            "mrc" | "map" | "ccp4" => Some(Self::Volume(volume::Kind::Mrc)),
+            "nrrd" => Some(Self::Volume(volume::Kind::Nrrd)),
+            "pdb" | "ent" => Some(Self::Pdb),
+            "pqr" => Some(Self::Pqr),
             _ => None,
         };
         if let Some(format) = by_name {
@@ -288,6 +337,9 @@ impl Format {
             _ if holds(b"<VTKFile") => Self::VtkXml,
             _ if holds(b"<GIFTI") => Self::Gifti,
             _ if starts(b"{") && holds(b"BufferGeometry") => Self::ThreeJson,
+            _ if starts(b"NRRD0") => Self::Volume(volume::Kind::Nrrd),
+            _ if bytes.get(208..212) == Some(b"MAP ") => Self::Volume(volume::Kind::Mrc),
+            _ if starts(b"HEADER    ") => Self::Pdb,
             _ if first_word.ends_with(b"OFF") => Self::Off,
             _ => {
                 let kind = match () {

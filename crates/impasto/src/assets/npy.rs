@@ -102,7 +102,7 @@ impl Head<'_> {
 }
 
 /// IEEE 754 half precision.
-fn half(bits: u16) -> f64 {
+pub(super) fn half(bits: u16) -> f64 {
     let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
     let (exponent, fraction) = ((bits >> 10 & 31) as i32, (bits & 1023) as f64);
     sign * match exponent {

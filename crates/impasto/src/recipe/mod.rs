@@ -79,6 +79,8 @@ pub struct Input {
     pub seed: Option<u32>,
     /// The file's axis that points up: `auto` (by format), `y` or `z`.
     pub up: Option<String>,
+    /// Of grids: the value whose isosurface is shown; without it one that suits the values.
+    pub isolevel: Option<f64>,
     /// An image in place of the base colour: a file, or `sample:NAME`.
     pub texture: Option<String>,
     /// Lay the surface out anew (UV set `unwrapped`, which layers then use).

@@ -31,7 +31,11 @@ fn bare_scene(input: &Input, base: &Path) -> Result<Report<Scene>> {
     }
     use files::{LoadOptions, Up};
     let up = choose_or("up", &input.up, &[("auto", Up::Auto), ("y", Up::Y), ("z", Up::Z)], Up::Auto)?;
-    files::load(&place(base, file), &LoadOptions { up, ..LoadOptions::default() })
+    let isolevel = match input.isolevel {
+        Some(level) if !level.is_finite() => return Err(impossible("isolevel", level, "a finite number")),
+        level => level,
+    };
+    files::load(&place(base, file), &LoadOptions { up, isolevel, ..LoadOptions::default() })
 }
 
 fn sample_scene(name: &str, input: &Input) -> Result<Scene> {

@@ -7,6 +7,7 @@ mod atlas;
 pub mod bench;
 pub mod chameleon;
 mod curve;
+pub mod ethanol;
 pub mod flange;
 pub mod plain;
 mod sheet;
@@ -21,11 +22,12 @@ use crate::math::Size;
 use texture::{charts, materials, normal_map};
 
 /// What [`scene`] can make: name, and one sentence.
-pub const NAMES: [(&str, &str); 16] = [
+pub const NAMES: [(&str, &str); 17] = [
     ("chameleon", "Impasto's mascot on its twig: painted skin, five parts, two data fields."),
     ("knot", "A torus knot in relief scales, one closed tube without a twist in its texture."),
     ("terrain", "Ten kilometres of mountains with snow and meadows, elevation and slope as data."),
     ("flange", "A machine part with four bolt holes, a bore with keyway, fillets, and a stress field."),
+    ("ethanol", "A molecule's smooth surface, its electrostatic and its lipophilic potential."),
     ("displaced", "A gently waved sphere of marble."),
     ("icosphere", "A sphere of nearly equal triangles; its texture is the icosahedron's net."),
     ("plane", "A square on the ground with the chart for texture coordinates."),
@@ -51,6 +53,7 @@ pub fn scene(name: &str, resolution: u32, seed: u32) -> Option<Scene> {
         "chameleon" => chameleon::scene(n, texels, seed),
         "terrain" => terrain::scene(n, texels, seed),
         "flange" => flange::scene(n),
+        "ethanol" => ethanol::scene(n),
         "knot" => {
             let mesh = plain::torus_knot(2, 3, 0.2, [4 * n, (n / 3).max(12)]);
             let around = 2.0;
