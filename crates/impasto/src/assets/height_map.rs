@@ -182,7 +182,7 @@ impl HeightMap {
         let (w, h) = (self.size.width as usize, self.size.height as usize);
         const HOLE: u32 = u32::MAX;
         let n = self.elevation.iter().filter(|e| e.is_finite()).count();
-        let mut mesh = RawMesh { positions: Vec::with_capacity(n), ..Default::default() };
+        let mut mesh = RawMesh { positions: Vec::with_capacity(n), n_source_points: w * h, ..Default::default() };
         let (mut uv, mut elevation, mut index) = (Vec::with_capacity(n), Vec::with_capacity(n), vec![HOLE; w * h]);
         let middle = [(w - 1) as f64 / 2.0, (h - 1) as f64 / 2.0];
         for (i, &e) in self.elevation.iter().enumerate().filter(|(_, e)| e.is_finite()) {
