@@ -95,7 +95,7 @@ pub(crate) struct Look {
     /// Colours for the values of a field: NAME, NAME.x, NAME.mag, NAME@faces; `impasto info FILE` names them.
     #[arg(long, value_name = "FIELD", help_heading = "Data")]
     color_by: Option<String>,
-    /// The colour table; an unknown name lists them.
+    /// The colour table: viridis, batlow, vik, cividis and more (docs/tables.md), _r behind it turns it round; or a file.
     #[arg(long, value_name = "NAME", requires = "color_by", help_heading = "Data")]
     table: Option<String>,
     /// The values at the table's ends, LEAST,GREATEST, or percentiles like 2%,98%; absent: the field's own.

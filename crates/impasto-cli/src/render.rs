@@ -3,6 +3,7 @@
 use crate::options::{self, Look};
 use crate::report;
 use anyhow::Result;
+use impasto::lookup::{Texture, vision};
 use impasto::math::Size;
 use impasto::par::Workers;
 use impasto::recipe::output::{self, STDOUT};
@@ -107,6 +108,11 @@ pub(crate) fn draw(recipe: &Recipe, base: &Path, as_json: bool, workers: &Worker
         return report::out(&report.to_string());
     }
     report::mended(&prepared.mended);
+    for texture in &prepared.value.looks.textures {
+        if let Texture::Table(table) = texture {
+            vision::warnings(table, None).iter().for_each(|warning| eprintln!("note: {warning}"));
+        }
+    }
     if shortfall.n_truncated_tiles > 0 {
         let n = shortfall.n_truncated_tiles;
         eprintln!("note: {n} tiles have more transparent layers than are told apart; the farthest are missing");

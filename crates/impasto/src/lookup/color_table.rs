@@ -3,8 +3,9 @@
 use crate::assets::Filter;
 use crate::color::{LinearRgba, lab_to_linear, linear_from_bytes, linear_from_srgb};
 use crate::lookup::Reading;
+use crate::lookup::mixing::{self, Mix};
 use crate::lookup::safe::Shades;
-use crate::lookup::viridis::VIRIDIS;
+use crate::lookup::tables;
 use crate::math::{self, exact};
 use crate::placement::TexCoords;
 
@@ -78,20 +79,39 @@ impl Scale {
 }
 
 impl ColorTable {
-    /// The names of [`ColorTable::named`].
-    pub const NAMES: [&str; 3] = ["viridis", "grey", "coolwarm"];
+    /// The names of [`ColorTable::named`], as people write them; [`tables::TABLES`] tells more of each.
+    pub const NAMES: [&str; tables::TABLES.len()] = tables::NAMES;
 
-    /// A table of 256 entries by its name, over [0, 1], nearest: `viridis` (van der Walt, Smith 2015), `grey` (even steps
-    /// of sRGB), `coolwarm` (Moreland, "Diverging color maps for scientific visualization", 2009).
+    /// A table by its name in any case, over [0, 1], nearest; `_r` or `-r` behind the name turns it round. Among them
+    /// `grey` is even steps of sRGB and `coolwarm` follows Moreland, "Diverging color maps for scientific visualization",
+    /// 2009.
     pub fn named(name: &str) -> Option<Self> {
-        let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
-        let colors: Vec<_> = match name {
-            "viridis" => VIRIDIS.iter().map(|&bytes| opaque(linear_from_bytes(bytes))).collect(),
-            "grey" => (0..=255).map(|i| opaque(linear_from_bytes([i; 3]))).collect(),
-            "coolwarm" => (0..256).map(|i| opaque(cool_warm(i as f64 / 255.0))).collect(),
-            _ => return None,
+        let Some(info) = tables::info(name) else {
+            let forward = name.strip_suffix(['r', 'R'])?.strip_suffix(['_', '-'])?;
+            return tables::info(forward).and_then(|info| Self::named(info.name)).map(|table| table.reversed());
         };
+        let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
+        let colors = tables::colors(info).unwrap_or_else(|| match info.name {
+            "coolwarm" => (0..256).map(|i| opaque(cool_warm(i as f64 / 255.0))).collect(),
+            _ => (0..=255).map(|i| opaque(linear_from_bytes([i; 3]))).collect(),
+        });
         Some(Self::over([0.0, 1.0], colors))
+    }
+
+    /// `n` entries through colours at rising values, mixed in OKLab: the first entry has the first stop's colour, the last
+    /// the last one's, and the range goes from the first value to the last. Two stops at one value make an edge.
+    pub fn from_stops(stops: &[(f64, LinearRgba)], n: usize) -> Self {
+        assert!(stops.is_sorted_by(|a, b| a.0 <= b.0), "the stops of a colour table rise");
+        let colors = mixing::sampled(stops, n, Mix::OkLab);
+        Self::over([stops[0].0 as f32, stops[stops.len() - 1].0 as f32], colors)
+    }
+
+    /// The colours from the other end, over the same range.
+    pub fn reversed(&self) -> Self {
+        let mut table = self.clone();
+        table.colors.reverse();
+        std::mem::swap(&mut table.below, &mut table.above);
+        table
     }
 
     /// These colours over a range, nearest, magenta for missing values.
@@ -215,7 +235,20 @@ mod tests {
         assert!(close(cool, [59, 76, 192]) && close(warm, [180, 4, 38]), "{cool:?} {warm:?}");
         let middle = bytes(ColorTable::named("coolwarm").expect("known").color(0.5));
         assert!(close(middle, [221, 221, 221]), "{middle:?}");
-        assert!(ColorTable::named("jet").is_none());
+        assert!(ColorTable::named("jets").is_none());
+    }
+
+    #[test]
+    fn stops_are_mixed_evenly_for_the_eye() {
+        let (blue, yellow) = ([0.0, 0.0, 1.0, 1.0], [1.0, 1.0, 0.0, 0.5]);
+        let table = ColorTable::from_stops(&[(-1.0, blue), (3.0, yellow)], 9);
+        assert_eq!((table.range, table.colors.len()), ([-1.0, 3.0], 9));
+        assert_eq!((table.colors[0], table.colors[8]), (blue, yellow));
+        // The mean of OKLab (0.452, -0.032, -0.312) and (0.968, -0.071, 0.199) is a bluish grey-green.
+        assert!((bytes(table.colors[4]).map(i32::from)).iter().zip([108, 171, 199]).all(|(a, b)| (a - b).abs() < 6));
+        assert_eq!(table.colors[4][3], 0.75);
+        assert_eq!(table.reversed().colors[0], yellow);
+        assert_eq!(table.reversed().reversed(), table);
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub mod isolines;
 pub mod layer;
 pub mod looks;
 mod mip;
+mod mixing;
 mod normal;
 pub mod operator;
 mod packed;
@@ -19,8 +20,9 @@ pub mod read;
 mod read_tests;
 pub mod safe;
 pub mod surface;
+pub mod tables;
 pub mod texture;
-mod viridis;
+pub mod vision;
 
 pub use color_table::{ColorTable, Scale};
 pub use evaluate::{Points, Scratch, alpha_of, evaluate};

@@ -7,6 +7,7 @@ use crate::lookup::{ColorTable, Filter, Isolines, Keep, Levels, Line, Scale, Sha
 use crate::math::{Vec3, vec3};
 use crate::placement::{FieldAxis, Missing, Placement};
 use crate::recipe::layer::{LayerRecipe, Numbers};
+use crate::recipe::source;
 use crate::recipe::stack::{FILTERS, Ground};
 use crate::recipe::words::{choose_or, color, impossible};
 
@@ -129,7 +130,8 @@ struct Plan<'a> {
     notes: Vec<Mended>,
 }
 
-fn plan<'a>(recipe: &LayerRecipe, mesh: &'a Mesh) -> Result<Plan<'a>> {
+fn plan<'a>(recipe: &LayerRecipe, on: &Ground<'a>) -> Result<Plan<'a>> {
+    let mesh = &on.scene.mesh;
     let property = Property::of(recipe, mesh)?;
     let missing = choose_or(
         "missing_mode",
@@ -143,7 +145,12 @@ fn plan<'a>(recipe: &LayerRecipe, mesh: &'a Mesh) -> Result<Plan<'a>> {
         return Ok(Plan { property, scale: Scale::Linear, range: unit, unit, missing, notes });
     }
     let is_log = recipe.value_scale.as_deref().is_some_and(|s| s.eq_ignore_ascii_case("log"));
-    let range = range(recipe, property, is_log, &mut notes)?;
+    // A file that names values means them, unless the recipe says otherwise.
+    let own = source::table(recipe.table.as_deref().unwrap_or_default(), on.base)?.range;
+    let range = match recipe.range.is_none() && recipe.percentiles.is_none() && own != [0.0, 1.0] {
+        true => own.map(f64::from),
+        false => range(recipe, property, is_log, &mut notes)?,
+    };
     let widest = range[0].abs().max(range[1].abs());
     let linear = recipe.linear_up_to.unwrap_or(widest * 0.01).max(f64::MIN_POSITIVE) as f32;
     if !(linear > 0.0 && linear.is_finite()) {
@@ -214,7 +221,7 @@ pub(super) fn placement(recipe: &LayerRecipe, on: &Ground) -> Result<Placement> 
         let range = range(recipe, property, false, &mut Vec::new())?;
         return Ok(Placement::Field { axes: [Some(property.axis(range, Missing::Nearest)), None, None] });
     }
-    let plan = plan(recipe, mesh)?;
+    let plan = plan(recipe, on)?;
     let axis = plan.property.axis(plan.unit, plan.missing);
     Ok(match recipe.shades {
         Some(true) => Placement::FieldInLight { axis, toward: KEY_LIGHT },
@@ -277,7 +284,7 @@ pub(super) fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended:
         mended.extend(notes);
         return Ok(Texture::Table(key.table));
     }
-    let plan = plan(recipe, &on.scene.mesh)?;
+    let plan = plan(recipe, on)?;
     let per_unit = 1.0 / (plan.unit[1] - plan.unit[0]);
     if recipe.isolines.is_some() {
         return Ok(Texture::Isolines(isolines(recipe, plan.unit)?));
@@ -321,10 +328,9 @@ fn isolines(recipe: &LayerRecipe, [first, second]: [f64; 2]) -> Result<Isolines>
 
 /// A table layer's colours, and what a legend says about them.
 pub(super) fn key(recipe: &LayerRecipe, on: &Ground) -> Result<(Key, Vec<Mended>)> {
-    let plan = plan(recipe, &on.scene.mesh)?;
+    let plan = plan(recipe, on)?;
     let name = recipe.table.as_deref().unwrap_or("viridis");
-    let mut table = ColorTable::named(name)
-        .ok_or_else(|| impossible("table", name, crate::recipe::text::guess(name, &ColorTable::NAMES)))?;
+    let mut table = source::table(name, on.base)?;
     if recipe.reversed == Some(true) {
         table.colors.reverse();
     }
@@ -379,7 +385,7 @@ const MISSING: LinearRgba = [0.40, 0.40, 0.40, 1.0];
 
 /// The colours of a table layer at the mesh's vertices, for Gouraud's way.
 pub(super) fn vertex_colors(recipe: &LayerRecipe, on: &Ground) -> Result<Vec<LinearRgba>> {
-    let plan = plan(recipe, &on.scene.mesh)?;
+    let plan = plan(recipe, on)?;
     let (key, _) = key(recipe, on)?;
     if plan.property.field.element != Element::Vertex {
         return Err(Error::Parameter {

@@ -13,7 +13,7 @@ pub struct LayerRecipe {
     pub image: Option<String>,
     /// A formula: `stripes`, `checker`, `noise`, `cells`, `wood`, `marble`.
     pub procedural: Option<String>,
-    /// A colour table over a field, by its name or from a file.
+    /// A colour table over a field: a name like `viridis`, `batlow`, `vik` (`_r` behind it turns it round), or a file.
     pub table: Option<String>,
     /// Lines of equal value of a field: the step from line to line; 0: only the `levels`.
     pub isolines: Option<f64>,
@@ -46,7 +46,8 @@ pub struct LayerRecipe {
     pub missing_mode: Option<String>,
 
     // Of colour tables.
-    /// The values at the table's ends, in either order; absent: the field's least and greatest.
+    /// The values at the table's ends, in either order; absent: those of the table's file, or the field's least and
+    /// greatest.
     pub range: Option<[f64; 2]>,
     /// In place of a range: these percentiles of the field's values.
     pub percentiles: Option<[f64; 2]>,

@@ -1,7 +1,8 @@
 //! What a recipe names: files beside it, and samples made by formula.
 
 use crate::assets::{Scene, TextureImage, files};
-use crate::error::{Mended, Report, Result};
+use crate::error::{Error, Mended, Report, Result};
+use crate::lookup::{ColorTable, tables};
 use crate::math::Size;
 use crate::recipe::outside;
 use crate::recipe::text::guess;
@@ -94,6 +95,19 @@ pub(super) fn images(
         return sample_images(name, checked(texels, STACK_SIZE)?, seed);
     }
     given.iter().map(|g| image(g, base, (texels, seed), mended)).collect()
+}
+
+/// A colour table a recipe names: one of [`ColorTable::NAMES`], or a file (a name with a dot or a slash).
+pub(super) fn table(given: &str, base: &Path) -> Result<ColorTable> {
+    if let Some(table) = ColorTable::named(given) {
+        return Ok(table);
+    }
+    if !given.contains(['.', '/', '\\']) {
+        return Err(impossible("table", given, guess(given, &ColorTable::NAMES)));
+    }
+    let path = place(base, given);
+    let bytes = std::fs::read(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+    tables::parse(&bytes, &path.to_string_lossy())
 }
 
 /// Sample textures of one image.
