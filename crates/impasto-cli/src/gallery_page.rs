@@ -22,7 +22,7 @@ impl Panel<'_> {
 }
 
 /// Topics in the page's order: folder, heading, and a sentence about them.
-const TOPICS: [(&str, &str, &str); 10] = [
+const TOPICS: [(&str, &str, &str); 11] = [
     ("hero", "Impasto", ""),
     ("samples", "Surfaces by formula", "Everything here is drawn from these; no file is read."),
     (
@@ -44,6 +44,7 @@ const TOPICS: [(&str, &str, &str); 10] = [
         "Antialiasing close up, surfaces that are there in places, surfaces that are seen through.",
     ),
     ("backgrounds", "Before what", "Backgrounds by name, and transparent pictures."),
+    ("data", "Data on surfaces", "Colour codes, isolines, filters and cuts: numbers one can read off the picture."),
     ("information", "Textures as information", "The buffer behind a picture: every pixel knows its texel."),
 ];
 

@@ -1,6 +1,7 @@
 //! The program `impasto`: textures as information, on the command line. One subcommand a file, no algorithm in it.
 
 mod bench;
+mod check;
 mod completions;
 mod gallery;
 mod gallery_page;
@@ -35,6 +36,7 @@ const EXAMPLES: &str = "Examples:
   impasto render sample:chameleon -o a.png      no file at hand? samples are made by formula
   impasto info scan.ply                         what is in a file, and what had to be mended
   impasto probe scan.ply --at 640,360           what is at a pixel: triangle, texel, position, data
+  impasto render scan.ply -o a.png --color-by t data as colours, with a legend; impasto check a.png reads it back
 Each command has its own examples: impasto render --help";
 
 /// What the program can do.
@@ -43,6 +45,7 @@ enum Command {
     Info(info::Args),
     Render(render::Args),
     Probe(probe::Args),
+    Check(check::Args),
     Run(run::Args),
     Gallery(gallery::Args),
     Bench(bench::Args),
@@ -77,6 +80,7 @@ fn run_command(cli: Cli) -> Result<()> {
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args, &workers),
         Command::Probe(args) => probe::run(&args, &workers),
+        Command::Check(args) => check::run(&args, &workers),
         Command::Run(args) => run::run(&args, &workers),
         Command::Gallery(args) => gallery::run(&args, &workers),
         Command::Bench(args) => bench::run(&args, &workers),

@@ -281,8 +281,11 @@ impl Look {
     fn data(&self, recipe: &mut Recipe) -> Result<()> {
         let text = |s: &str| Some(s.to_owned());
         let yes = |flag: bool| flag.then_some(true);
+        let is_safe = self.color_by.is_some()
+            && self.shading.as_deref().is_none_or(|s| s == "safe")
+            && !self.unlit
+            && !self.gouraud;
         if let Some(field) = &self.color_by {
-            let is_safe = self.shading.as_deref().is_none_or(|s| s == "safe") && !self.unlit && !self.gouraud;
             if is_safe {
                 recipe.surface.shading = text("unlit");
             } else {
@@ -319,7 +322,7 @@ impl Look {
             bail!("shading safe is for the colours of --color-by");
         }
         if let Some(test) = &self.filter {
-            recipe.layers.push(LayerRecipe { color: self.filter_color.clone(), ..kept(test)? });
+            recipe.layers.push(LayerRecipe { color: self.filter_color.clone(), shades: yes(is_safe), ..kept(test)? });
         }
         if let Some(given) = &self.isolines {
             let field = self.isolines_of.clone().or_else(|| self.color_by.clone());

@@ -48,6 +48,7 @@ pub mod pdb;
 pub mod ply;
 mod ply_header;
 pub mod ply_write;
+pub mod png_text;
 mod polygon;
 pub mod pqr;
 pub mod scene;

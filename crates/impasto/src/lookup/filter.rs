@@ -15,6 +15,8 @@ pub struct Filter {
     pub softness: f32,
     /// What hides.
     pub color: LinearRgba,
+    /// The second coordinate is light, 0 to 1: what hides still shows the form.
+    pub is_lit: bool,
     /// All four channels are the share kept, for targets that are numbers.
     pub is_number: bool,
 }
@@ -30,6 +32,9 @@ pub enum Keep {
     Within(f32, f32),
 }
 
+/// How dark the shadow side of what hides is.
+const LEAST_LIGHT: f32 = 0.45;
+
 impl Filter {
     pub(super) fn read(&self, at: &TexCoords, n: usize, out: &mut Reading) {
         out.is_whole = true;
@@ -38,7 +43,11 @@ impl Filter {
             let (dx, dy) = (at.d_dx[0][i], at.d_dy[0][i]);
             let kept = self.kept(value, (dx * dx + dy * dy).sqrt());
             let [r, g, b, a] = self.color;
-            let color = if self.is_number { [kept; 4] } else { [r, g, b, a * (1.0 - kept)] };
+            let light = if self.is_lit { LEAST_LIGHT + (1.0 - LEAST_LIGHT) * at.st[1][i] } else { 1.0 };
+            let color = match self.is_number {
+                true => [kept; 4],
+                false => [r * light, g * light, b * light, a * (1.0 - kept)],
+            };
             (0..4).for_each(|c| out.rgba[c][i] = color[c]);
         }
     }
@@ -80,7 +89,7 @@ mod tests {
 
     #[test]
     fn filters_keep_what_they_are_told_to() {
-        let filter = |keep, softness| Filter { keep, softness, color: [1.0; 4], is_number: false };
+        let filter = |keep, softness| Filter { keep, softness, color: [1.0; 4], is_lit: false, is_number: false };
         let kept = |f: Filter, values: [f32; 3]| values.map(|v| f.kept(v, 0.0));
         assert_eq!(kept(filter(Keep::Above(2.0), 0.0), [1.9, 2.0, 3.0]), [0.0, 1.0, 1.0]);
         assert_eq!(kept(filter(Keep::Below(2.0), 0.0), [1.9, 2.0, 2.1]), [1.0, 1.0, 0.0]);

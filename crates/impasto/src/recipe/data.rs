@@ -102,12 +102,18 @@ fn describe(field: &Field) -> String {
 /// The colour table of a recipe's layer as the picture shows it, and what a legend says about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
+    /// The field's name.
+    pub field: String,
+    /// Which of its components; none: the vector's length.
+    pub component: Option<usize>,
     /// What the values are.
     pub title: String,
     /// Their unit; empty when unknown.
     pub unit: String,
     /// The colours; its own range is [0, 1] for even scales.
     pub table: ColorTable,
+    /// How values spread over it.
+    pub scale: Scale,
     /// The table's name.
     pub table_name: String,
     /// The values at its ends.
@@ -116,6 +122,31 @@ pub struct Key {
     pub counts: [usize; 4],
     /// How many bands the colours fall into; none: a continuous table.
     pub bands: Option<u32>,
+}
+
+impl Key {
+    /// For a picture's metadata: field, unit, range, scale, table, bands, and how many values are not shown by it.
+    pub fn to_json(&self) -> String {
+        let [n, missing, before, beyond] = self.counts;
+        let scale = match self.scale {
+            Scale::Linear => "linear".to_owned(),
+            Scale::Log => "log".to_owned(),
+            Scale::SymLog { linear } => format!("symlog, linear up to {linear}"),
+        };
+        serde_json::json!({
+            "field": self.field, "component": self.component, "title": self.title, "unit": self.unit, "range": self.range,
+            "scale": scale, "table": self.table_name, "bands": self.bands, "values": n, "missing": missing,
+            "below": before, "above": beyond,
+        })
+        .to_string()
+    }
+
+    /// Where a value stands on the table, 0 to 1 within its range; none when it is missing.
+    pub fn share(&self, value: f64) -> Option<f64> {
+        let place = |x: f64| if self.scale == Scale::Linear { x } else { self.scale.place(x as f32) as f64 };
+        let [first, last] = self.range.map(place);
+        Some((place(value) - first) / (last - first)).filter(|s| s.is_finite())
+    }
 }
 
 /// How a layer's values become its texture's coordinate, worked out once.
@@ -299,6 +330,7 @@ pub(super) fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended:
         keep: [Keep::Above(0.0), Keep::Below(0.0), Keep::Within(0.0, 1.0)][kept],
         softness: (softness * per_unit) as f32,
         color: recipe.color.as_deref().map_or(Ok(white), |c| color("filter color", c))?,
+        is_lit: recipe.shades == Some(true) && target == Target::Color,
         is_number: target != Target::Color,
     }))
 }
@@ -369,6 +401,9 @@ pub(super) fn key(recipe: &LayerRecipe, on: &Ground) -> Result<(Key, Vec<Mended>
     let mut notes = plan.notes;
     note(&mut notes, counts[1], format!("values of {:?} are missing", field.name));
     let key = Key {
+        field: field.name.clone(),
+        component: plan.property.component,
+        scale: plan.scale,
         title: recipe.label.clone().unwrap_or_else(|| format!("{}{component}", field.name)),
         unit: recipe.unit_label.clone().unwrap_or_else(|| field.unit.clone()),
         table,

@@ -4,6 +4,7 @@
 //! the gallery is a folder of them. [`prepare()`] turns it into the engine's nouns, [`Prepared::render`] into a picture.
 //! All keys are optional and have the program's defaults. This module alone knows `serde`.
 
+pub mod check;
 pub mod data;
 pub mod layer;
 pub mod output;

@@ -88,6 +88,7 @@ pub fn make(
     metadata.push(("Scene", recipe.subject().into()));
     metadata.push(("Camera", prepared.view.to_string()));
     metadata.push(("Recipe", text::to_toml(recipe)));
+    metadata.extend(prepared.keys.first().map(|key| ("Data", key.to_json())));
     let out = &recipe.output;
     let mut made = Vec::new();
     let mut shortfall = Shortfall::default();

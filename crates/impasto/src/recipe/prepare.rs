@@ -26,6 +26,8 @@ pub struct Prepared {
     pub view: View,
     /// Pixels across and down.
     pub size: Size,
+    /// The part of the picture, from its top left corner, that the object is framed in; the rest is the legend's.
+    pub frame: Size,
     /// Places looked at in each pixel.
     pub samples: Samples,
     /// What lights it.
@@ -83,19 +85,21 @@ pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report
     }
     tangents(&mut scene, &looks, &mut mended);
 
-    let view = view::view(&recipe.camera, &scene, size)?;
+    let frame = size;
+    let view = view::view(&recipe.camera, &scene, frame)?;
     let environment = match &recipe.picture.environment {
         None => None,
         Some(name) => Some(source::image(name, base, (None, on_seed(recipe)), &mut mended)?),
     };
-    let viewpoint = view.domain(&scene, size).view;
+    let viewpoint = view.domain(&scene, frame, size).view;
     let environment = environment.map(|image| Arc::new(Environment::of_panorama(&image, 0.0, workers)));
     let lighting = view::lighting(recipe, &scene, &viewpoint, environment)?;
     let unlit = recipe.picture.unlit.unwrap_or(false);
     let is_lit = !unlit && looks.looks.iter().any(|l| l.shading != Shading::Unlit);
     let develop = view::develop(recipe, is_lit && !recipe.shows_data(), background)?;
     let ground = recipe.picture.ground.unwrap_or(false);
-    let value = Prepared { scene, looks, view, size, samples, lighting, unlit, background, develop, ground, keys };
+    let value =
+        Prepared { scene, looks, view, size, frame, samples, lighting, unlit, background, develop, ground, keys };
     Ok(Report { value, mended })
 }
 

@@ -35,7 +35,7 @@ pub struct LightPicture {
 impl Prepared {
     /// How the surface maps to the picture's cells.
     pub fn domain(&self) -> Domain<'_> {
-        self.view.domain(&self.scene, self.size)
+        self.view.domain(&self.scene, self.frame, self.size)
     }
 
     /// What is looked up and what lights it, with `samples` places a pixel.

@@ -28,10 +28,11 @@ const VIEWS: [&str; 9] = ["three-quarter", "front", "back", "left", "right", "to
 const FILL: f32 = 0.8;
 
 impl View {
-    /// How the scene's surface maps to cells.
-    pub fn domain<'a>(&self, scene: &'a Scene, size: Size) -> Domain<'a> {
+    /// How the scene's surface maps to cells: the view fills `frame`, at the top left of a picture of `size`, and goes on
+    /// beside it.
+    pub fn domain<'a>(&self, scene: &'a Scene, frame: Size, size: Size) -> Domain<'a> {
         match self {
-            Self::Camera(camera) => Domain::through_camera(&scene.mesh, camera, size),
+            Self::Camera(camera) => Domain { size, ..Domain::through_camera(&scene.mesh, camera, frame) },
             Self::Atlas(set) => Domain::over_atlas(&scene.mesh, *set, size),
         }
     }
