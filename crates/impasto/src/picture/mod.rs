@@ -5,19 +5,26 @@
 pub mod ambient;
 pub mod background;
 pub mod baseline;
+mod coverage;
 pub mod develop;
+pub mod drawing;
 pub mod environment;
+pub mod font;
 pub mod ground;
 mod lanes;
 pub mod light;
+pub mod numbers;
 mod metal_rough;
 pub mod render;
 pub mod shade;
 pub mod surroundings;
+mod svg;
+pub mod ticks;
 
 pub use ambient::Ambient;
 pub use background::Background;
 pub use develop::{Curve, Develop};
+pub use drawing::Drawing;
 pub use environment::Environment;
 pub use ground::Ground;
 pub use light::{Light, LightKind, Lighting};
