@@ -22,7 +22,9 @@ use std::time::Instant;
   impasto render scan.ply -o scan.png --camera 120,10 --size 1920x1080 --samples 16 --ground
   impasto render part.stl -o part.png --background transparent
   impasto render cow.obj -o cow.png --texture cow.jpg
-  impasto render femur.ply -o stress.png --color-by stress --table coolwarm --range -5,5
+  impasto render femur.ply -o stress.png --color-by stress --table vik --center 0 --isolines auto
+  impasto render brain.gii -o brain.png --field thickness.csv --color-by thickness --range 2%,98% --bands 10
+  impasto render mol.ply -o mol.png --color-by potential --filter \"lipophilicity<0~0.02\" --legend-out bar.svg
   impasto render sample:knot -o knot.png --layer \"sample:bricks scale=16,4\" \\
       --layer \"noise coordinate=position frequency=3 operator=modulate strength=0.4\"
   impasto render sample:chameleon -o ball.png --matcap sample:matcap
@@ -39,6 +41,9 @@ pub(crate) struct Args {
     /// The picture: .png (8 bits), .exr (linear light with alpha), or - for a PNG on standard output.
     #[arg(short, long, value_name = "OUT")]
     output: Option<String>,
+    /// The legend alone: .png or .svg.
+    #[arg(long, value_name = "OUT")]
+    legend_out: Option<String>,
     /// All that is known of each pixel: .exr (named channels), .npz (one array a quantity), .npy (triangle ids).
     #[arg(long, value_name = "OUT")]
     info_buffer: Option<String>,
@@ -62,6 +67,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
     let mut recipe = args.look.recipe()?;
     recipe.output.picture.clone_from(&args.output);
+    recipe.output.legend.clone_from(&args.legend_out);
     recipe.output.info_buffer.clone_from(&args.info_buffer);
     recipe.output.info_texture.clone_from(&args.info_texture);
     recipe.output.coding.clone_from(&args.coding);

@@ -12,6 +12,7 @@ pub mod environment;
 pub mod font;
 pub mod ground;
 mod lanes;
+pub mod legend;
 pub mod light;
 pub mod numbers;
 mod metal_rough;

@@ -102,6 +102,8 @@ fn describe(field: &Field) -> String {
 /// The colour table of a recipe's layer as the picture shows it, and what a legend says about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
+    /// The field as the recipe asks for it.
+    pub asked: String,
     /// The field's name.
     pub field: String,
     /// Which of its components; none: the vector's length.
@@ -335,6 +337,12 @@ pub(super) fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended:
     }))
 }
 
+/// An isoline layer's lines, and the values that 0 and 1 of their coordinate stand for.
+pub(super) fn lines(recipe: &LayerRecipe, on: &Ground) -> Result<(Isolines, [f64; 2])> {
+    let plan = plan(recipe, on)?;
+    Ok((isolines(recipe, plan.unit)?, plan.unit))
+}
+
 fn isolines(recipe: &LayerRecipe, [first, second]: [f64; 2]) -> Result<Isolines> {
     let width = recipe.width.unwrap_or(1.25);
     if !(width > 0.0 && width <= 64.0) {
@@ -401,6 +409,7 @@ pub(super) fn key(recipe: &LayerRecipe, on: &Ground) -> Result<(Key, Vec<Mended>
     let mut notes = plan.notes;
     note(&mut notes, counts[1], format!("values of {:?} are missing", field.name));
     let key = Key {
+        asked: recipe.field.clone().unwrap_or_default(),
         field: field.name.clone(),
         component: plan.property.component,
         scale: plan.scale,

@@ -7,6 +7,7 @@
 pub mod check;
 pub mod data;
 pub mod layer;
+mod legend;
 pub mod output;
 mod outside;
 mod stack;
@@ -215,6 +216,8 @@ pub struct LegendRecipe {
 pub struct Output {
     /// The picture: `.png` (8 bits) or `.exr` (linear light with alpha).
     pub picture: Option<String>,
+    /// The legend alone: `.png` or `.svg`.
+    pub legend: Option<String>,
     /// The information buffer: `.exr`, `.npz`, or `.npy` (triangle ids alone).
     pub info_buffer: Option<String>,
     /// Each pixel's texel address, coded as colour: `.png`.

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::inspect::{self, Coding, Quantity, Values, address};
 use crate::math::Size;
 use crate::par::Workers;
+use crate::picture::legend::legend_alone;
 use crate::picture::render::{self, Shortfall};
 use crate::recipe::words::{choose_or, impossible};
 use crate::recipe::{Prepared, Recipe, text};
@@ -19,7 +20,7 @@ pub struct Made {
     pub path: PathBuf,
     /// The whole file.
     pub bytes: Vec<u8>,
-    /// `picture`, `information buffer` or `information texture`.
+    /// `picture`, `legend`, `information buffer` or `information texture`.
     pub what: &'static str,
 }
 
@@ -34,7 +35,9 @@ const BUFFERS: &str = "exr, npz, npy";
 /// `UnknownFormat` by a name's extension; `Parameter` when there is nothing to write or its folder does not exist.
 pub fn check(recipe: &Recipe, base: &Path) -> Result<()> {
     let out = &recipe.output;
-    for (name, known) in [(&out.picture, PICTURES), (&out.info_buffer, BUFFERS), (&out.info_texture, "png")] {
+    for (name, known) in
+        [(&out.picture, PICTURES), (&out.info_buffer, BUFFERS), (&out.info_texture, "png"), (&out.legend, "png, svg")]
+    {
         let Some(name) = name else { continue };
         let path = base.join(name);
         let kind = extension(&path);
@@ -47,7 +50,7 @@ pub fn check(recipe: &Recipe, base: &Path) -> Result<()> {
             return Err(impossible("output", name, format!("there is no folder {folder:?}")));
         }
     }
-    match out.picture.is_none() && out.info_buffer.is_none() && out.info_texture.is_none() {
+    match [&out.picture, &out.info_buffer, &out.info_texture, &out.legend].iter().all(|o| o.is_none()) {
         true => Err(impossible("output", "", "name a picture to write: -o picture.png")),
         false => coding(recipe).map(|_| ()),
     }
@@ -104,6 +107,18 @@ pub fn make(
             picture.png(&metadata)
         };
         made.push(Made { path, bytes, what: "picture" });
+    }
+    if let Some(name) = &out.legend {
+        let Some((spec, _)) = &prepared.legend else {
+            return Err(impossible("legend", name, "the picture has none: no layer has a colour table"));
+        };
+        let path = base.join(name);
+        let drawing = legend_alone(spec, prepared.size);
+        let bytes = match extension(&path).as_str() {
+            "svg" => drawing.svg().into_bytes(),
+            _ => image_write::png8(drawing.size, drawing.picture(None).as_flattened(), Encoding::Srgb, &metadata),
+        };
+        made.push(Made { path, bytes, what: "legend" });
     }
     if out.info_buffer.is_none() && out.info_texture.is_none() {
         return Ok((made, shortfall));

@@ -6,12 +6,13 @@ use crate::error::{Error, Mended, Report, Result, note};
 use crate::lookup::{ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading, Target, Texture, Usage};
 use crate::math::Size;
 use crate::par::Workers;
+use crate::picture::legend::{LegendLayout, LegendSpec};
 use crate::picture::{Background, Develop, Environment, Lighting};
 use crate::placement::{self, Placement, UnwrapOptions};
 use crate::recipe::data::{self, Key};
 use crate::recipe::layer::LayerRecipe;
 use crate::recipe::words::{choose, color, impossible};
-use crate::recipe::{Recipe, SurfaceRecipe, View, source, stack, view};
+use crate::recipe::{Recipe, SurfaceRecipe, View, legend, source, stack, view};
 use crate::visibility::Samples;
 use std::path::Path;
 use std::sync::Arc;
@@ -42,6 +43,8 @@ pub struct Prepared {
     pub ground: bool,
     /// What colours stand for, one for each table layer.
     pub keys: Vec<Key>,
+    /// What says so, drawn over the picture.
+    pub legend: Option<(LegendSpec, LegendLayout)>,
 }
 
 /// The size of a picture that says nothing about it.
@@ -78,6 +81,10 @@ pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report
     for layer in recipe.layers.iter().filter(|l| l.table.is_some()) {
         keys.push(data::key(layer, &on)?.0);
     }
+    let legend = match recipe.camera.view.as_deref() {
+        Some("atlas") => None,
+        _ => legend::legend(recipe, &keys, &on, size, background)?,
+    };
     if let Some(layer) = recipe.layers.iter().find(|l| l.gouraud == Some(true)) {
         let colors = data::vertex_colors(layer, &on)?;
         scene.mesh = colored(std::mem::take(&mut scene.mesh), colors);
@@ -85,7 +92,7 @@ pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report
     }
     tangents(&mut scene, &looks, &mut mended);
 
-    let frame = size;
+    let frame = Size::new(size.width - legend.as_ref().map_or(0, |(_, l)| l.width), size.height);
     let view = view::view(&recipe.camera, &scene, frame)?;
     let environment = match &recipe.picture.environment {
         None => None,
@@ -98,8 +105,21 @@ pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report
     let is_lit = !unlit && looks.looks.iter().any(|l| l.shading != Shading::Unlit);
     let develop = view::develop(recipe, is_lit && !recipe.shows_data(), background)?;
     let ground = recipe.picture.ground.unwrap_or(false);
-    let value =
-        Prepared { scene, looks, view, size, frame, samples, lighting, unlit, background, develop, ground, keys };
+    let value = Prepared {
+        scene,
+        looks,
+        view,
+        size,
+        frame,
+        samples,
+        lighting,
+        unlit,
+        background,
+        develop,
+        ground,
+        keys,
+        legend,
+    };
     Ok(Report { value, mended })
 }
 

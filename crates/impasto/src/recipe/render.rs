@@ -49,6 +49,9 @@ impl Prepared {
         let shortfall = self.draw(workers, progress, &mut pixels, |[_, y], light, row| {
             develop_row(&self.develop, workers, light, self.background.row(y, self.size), y, row);
         });
+        if let Some((_, legend)) = &self.legend {
+            legend.drawing.paint(&mut pixels, self.size);
+        }
         Picture { size: self.size, pixels, shortfall }
     }
 
