@@ -11,6 +11,7 @@ mod probe;
 mod render;
 mod report;
 mod run;
+mod turntable;
 
 use anyhow::{Context, Result};
 use clap::Parser;
@@ -46,6 +47,7 @@ enum Command {
     Render(render::Args),
     Probe(probe::Args),
     Check(check::Args),
+    Turntable(turntable::Args),
     Run(run::Args),
     Gallery(gallery::Args),
     Bench(bench::Args),
@@ -81,6 +83,7 @@ fn run_command(cli: Cli) -> Result<()> {
         Command::Render(args) => render::run(&args, &workers),
         Command::Probe(args) => probe::run(&args, &workers),
         Command::Check(args) => check::run(&args, &workers),
+        Command::Turntable(args) => turntable::run(&args, &workers),
         Command::Run(args) => run::run(&args, &workers),
         Command::Gallery(args) => gallery::run(&args, &workers),
         Command::Bench(args) => bench::run(&args, &workers),

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use impasto::math::Size;
-use impasto::recipe::layer::Numbers;
+use impasto::recipe::layer::{Numbers, Words};
 use impasto::recipe::{LayerRecipe, Recipe};
 
 /// WIDTHxHEIGHT.
@@ -64,10 +64,17 @@ pub(crate) struct Look {
     /// studio, headlight, outdoor, flat, or file (the file's own lights).
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
     light: Option<String>,
-    /// A panorama image that lights the scene.
+    /// What lights the scene: a panorama, a cube in one picture (strip or cross), or its six faces with commas between.
     #[arg(long, value_name = "IMAGE", help_heading = "Picture")]
     environment: Option<String>,
-    /// light, studio, white, dark, transparent, or a colour like #f4f3f0.
+    /// How that picture holds the surroundings, if its proportions do not tell: panorama, vertical-strip, horizontal-strip,
+    /// vertical-cross, horizontal-cross.
+    #[arg(long, value_name = "NAME", requires = "environment", help_heading = "Picture")]
+    environment_layout: Option<String>,
+    /// Of the background `environment`: 0 sharp to 1 a wash of light.
+    #[arg(long, value_name = "SHARE", requires = "environment", help_heading = "Picture")]
+    environment_blur: Option<f32>,
+    /// light, studio, white, dark, transparent, environment, or a colour like #f4f3f0.
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
     background: Option<String>,
     /// A soft contact shadow on a floor.
@@ -235,7 +242,12 @@ impl Look {
         picture.size = self.size.map(|s| [s.width, s.height]);
         picture.samples = self.samples;
         picture.light.clone_from(&self.light);
-        picture.environment.clone_from(&self.environment);
+        picture.environment = self.environment.as_deref().map(|given| match given.split(',').collect::<Vec<_>>() {
+            faces if faces.len() == 6 => Words::Each(faces.into_iter().map(|f| f.trim().to_owned()).collect()),
+            _ => Words::One(given.to_owned()),
+        });
+        picture.environment_layout.clone_from(&self.environment_layout);
+        picture.environment_blur = self.environment_blur;
         picture.background.clone_from(&self.background);
         picture.ground = yes(self.ground);
         picture.develop.clone_from(&self.develop);
@@ -263,7 +275,7 @@ impl Look {
                 image: Some(image.clone()),
                 coordinate: text("view-normal"),
                 operator: text("replace"),
-                wrap: Some(impasto::recipe::layer::Words::One("clamp-to-edge".into())),
+                wrap: Some(Words::One("clamp-to-edge".into())),
                 ..LayerRecipe::default()
             });
         }

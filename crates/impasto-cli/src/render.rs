@@ -6,8 +6,9 @@ use anyhow::Result;
 use impasto::lookup::{Texture, vision};
 use impasto::math::Size;
 use impasto::par::Workers;
+use impasto::picture::render::Shortfall;
 use impasto::recipe::output::{self, STDOUT};
-use impasto::recipe::{self, Recipe, text};
+use impasto::recipe::{self, Prepared, Recipe, text};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -114,15 +115,7 @@ pub(crate) fn draw(recipe: &Recipe, base: &Path, as_json: bool, workers: &Worker
         return report::out(&report.to_string());
     }
     report::mended(&prepared.mended);
-    for texture in &prepared.value.looks.textures {
-        if let Texture::Table(table) = texture {
-            vision::warnings(table, None).iter().for_each(|warning| eprintln!("note: {warning}"));
-        }
-    }
-    if shortfall.n_truncated_tiles > 0 {
-        let n = shortfall.n_truncated_tiles;
-        eprintln!("note: {n} tiles have more transparent layers than are told apart; the farthest are missing");
-    }
+    notes(&prepared.value, shortfall);
     if piped.is_empty() {
         let size = prepared.value.size;
         let names: Vec<String> = files.iter().map(|m| m.path.display().to_string()).collect();
@@ -134,6 +127,19 @@ pub(crate) fn draw(recipe: &Recipe, base: &Path, as_json: bool, workers: &Worker
         ))?;
     }
     Ok(())
+}
+
+/// What a reader of the picture should know.
+pub(crate) fn notes(prepared: &Prepared, shortfall: Shortfall) {
+    for texture in &prepared.looks.textures {
+        if let Texture::Table(table) = texture {
+            vision::warnings(table, None).iter().for_each(|warning| eprintln!("note: {warning}"));
+        }
+    }
+    if shortfall.n_truncated_tiles > 0 {
+        let n = shortfall.n_truncated_tiles;
+        eprintln!("note: {n} tiles have more transparent layers than are told apart; the farthest are missing");
+    }
 }
 
 /// A number with its thousands apart.
@@ -150,7 +156,7 @@ pub(crate) fn info_count(n: usize) -> String {
 }
 
 /// As typed, for a picture's metadata; the program's own path is of no interest.
-fn command_line() -> String {
+pub(crate) fn command_line() -> String {
     let words = std::env::args().skip(1).map(|w| match w.contains(char::is_whitespace) || w.is_empty() {
         true => format!("\"{w}\""),
         false => w,

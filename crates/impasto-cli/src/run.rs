@@ -1,6 +1,6 @@
 //! `impasto run`: a recipe to what it asks for.
 
-use crate::{render, report};
+use crate::{render, report, turntable};
 use anyhow::{Context, Result, bail};
 use impasto::par::Workers;
 use impasto::recipe::{output, text};
@@ -49,9 +49,13 @@ pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
         recipe.output.picture = Some(out.to_string_lossy().into_owned());
     } else if recipe.output == Default::default() {
         let Some(name) = path.file_stem() else { bail!("{path:?} names no file") };
-        recipe.output.picture = Some(format!("{}.png", name.to_string_lossy()));
+        let kind = if recipe.turntable == Default::default() { "png" } else { "gif" };
+        recipe.output.picture = Some(format!("{}.{kind}", name.to_string_lossy()));
     }
     recipe.picture.size = args.size.map(|s| [s.width, s.height]).or(recipe.picture.size);
     recipe.picture.samples = args.samples.or(recipe.picture.samples);
-    render::draw(&recipe, base, args.json, workers)
+    match recipe.turntable == Default::default() {
+        true => render::draw(&recipe, base, args.json, workers),
+        false => turntable::draw(&recipe, base, args.json, workers),
+    }
 }

@@ -147,6 +147,29 @@ fn every_command_teaches_by_example_and_is_in_the_readme() {
 }
 
 #[test]
+fn a_turntable_is_a_gif_an_animated_png_or_a_folder() {
+    let dir = tempfile::tempdir().unwrap();
+    let walk = |rest: &[&'static str]| -> Vec<&str> {
+        let words = ["turntable", "sample:cube", "--frames", "3"].into_iter();
+        words.chain(SMALL).chain(rest.iter().copied()).collect()
+    };
+    let said = ok(dir.path(), &walk(&["-o", "a.gif"]));
+    assert!(said.starts_with("a.gif: 3 frames") && said.lines().count() == 1, "{said}");
+    ok(dir.path(), &walk(&["-o", "a.png", "--background", "transparent", "--turn", "-90", "--elevation", "40"]));
+    ok(dir.path(), &walk(&["-o", "frames/", "--light", "outdoor"]));
+    assert_eq!(files(dir.path()), ["a.gif", "a.png", "frames"]);
+    assert_eq!(files(&dir.path().join("frames")).len(), 3);
+    assert!(std::fs::read(dir.path().join("a.gif")).unwrap().starts_with(b"GIF89a"));
+    let recipe = "[input]\nfile = 'sample:cube'\nresolution = 8\n[picture]\nsize = [40, 30]\n[turntable]\nframes = 2\n";
+    std::fs::write(dir.path().join("r.toml"), recipe).unwrap();
+    assert!(ok(dir.path(), &["run", "r.toml"]).contains("r.gif: 2 frames"));
+    for wrong in [&["-o", "a.mp4"][..], &["-o", "b.gif", "--fps", "1000"], &["-o", "b.gif", "--camera", "atlas"]] {
+        fails(dir.path(), &walk(wrong));
+    }
+    assert!(!dir.path().join("b.gif").exists());
+}
+
+#[test]
 fn a_closed_pipe_is_no_failure() {
     let dir = tempfile::tempdir().unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_impasto"))

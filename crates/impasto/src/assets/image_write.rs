@@ -51,19 +51,27 @@ pub(super) fn png(
     }
     const WRITES: &str = "writing to memory does not fail";
     let mut writer = encoder.write_header().expect(WRITES);
+    write_texts(&mut writer, metadata).expect(WRITES);
+    writer.write_image_data(bytes).expect(WRITES);
+    writer.finish().expect(WRITES);
+    out
+}
+
+/// Metadata as text chunks.
+pub(super) fn write_texts<W: Write>(
+    writer: &mut png::Writer<W>,
+    metadata: &[(&str, String)],
+) -> Result<(), png::EncodingError> {
     for (keyword, text) in metadata {
         // Keywords have 1 to 79 Latin-1 characters; texts may be any.
         let keyword: String = keyword.chars().filter(|c| c.is_ascii_graphic() || *c == ' ').take(79).collect();
         let keyword = if keyword.trim().is_empty() { "Comment".into() } else { keyword.trim().to_owned() };
-        if text.is_ascii() {
-            writer.write_text_chunk(&png::text_metadata::TEXtChunk::new(keyword, text.as_str())).expect(WRITES);
-        } else {
-            writer.write_text_chunk(&png::text_metadata::ITXtChunk::new(keyword, text.as_str())).expect(WRITES);
+        match text.is_ascii() {
+            true => writer.write_text_chunk(&png::text_metadata::TEXtChunk::new(keyword, text.as_str()))?,
+            false => writer.write_text_chunk(&png::text_metadata::ITXtChunk::new(keyword, text.as_str()))?,
         }
     }
-    writer.write_image_data(bytes).expect(WRITES);
-    writer.finish().expect(WRITES);
-    out
+    Ok(())
 }
 
 /// Numbers of one type, borrowed.

@@ -4,11 +4,13 @@
 //! that the engine also runs where there is no file system. The first valid form of everything is [`Mesh`], [`Image`],
 //! [`Field`], [`Grid`], [`Molecule`], [`Scene`]; no format's quirk gets past its reader.
 
+pub mod animation;
 #[cfg(test)]
 mod broken;
 mod cells;
 mod dataset;
 pub mod cube;
+pub mod cube_layout;
 mod dem;
 pub mod dx;
 mod edges;
@@ -66,6 +68,7 @@ pub mod volume_scene;
 mod weld;
 mod winding;
 
+pub use cube_layout::CubeLayout;
 pub use field::{Element, Field, Values};
 pub use grid::{Grid, Lattice};
 pub use image::{Image, Texels, TextureImage};

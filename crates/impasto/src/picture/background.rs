@@ -17,8 +17,8 @@ pub enum Background {
     },
     /// Nothing; the picture gets an alpha channel.
     Transparent,
-    /// The panorama that also lights the scene ([`Environment::at`](crate::picture::Environment::at) along each line
-    /// of sight): part of the scene, written into the cells with alpha 1 and bent by the curve like everything else.
+    /// The panorama or cube that also lights the scene, drawn by a [`Backdrop`](crate::picture::Backdrop) along each line
+    /// of sight: part of the scene, written into the cells with alpha 1 and bent by the curve like everything else.
     Environment {
         /// 0 sharp to 1 a wash of light.
         blur: f32,

@@ -24,7 +24,7 @@ pub struct Environment {
 
 /// A sphere of colours unfolded onto a square, with a border one texel wide.
 #[derive(Clone, Debug)]
-struct Unfolded {
+pub(super) struct Unfolded {
     /// Texels in a row, without the border.
     size: usize,
     /// `(size + 2)^2`.
@@ -55,11 +55,7 @@ impl Environment {
 
     /// Prepares any function of unit directions to linear radiance.
     pub fn of_directions(radiance: impl Fn(Vec3) -> LinearRgb + Sync, workers: &Workers) -> Self {
-        let sharp = Unfolded::of_directions(SIZES[0], workers, &radiance);
-        let mut coarser = vec![sharp];
-        while coarser[coarser.len() - 1].size > 4 {
-            coarser.push(coarser[coarser.len() - 1].halved());
-        }
+        let mut coarser = coarser(Unfolded::of_directions(SIZES[0], workers, &radiance));
         let ambient = ambient_of(&coarser[3]);
         let mut levels: Vec<Unfolded> = (1..SIZES.len())
             .map(|k| {
@@ -153,6 +149,22 @@ impl Unfolded {
         Self { size, texels: rows.concat() }
     }
 
+    /// Any function of unit directions to linear radiance, seen through the lobe of one roughness.
+    pub(super) fn blurred(radiance: impl Fn(Vec3) -> LinearRgb + Sync, roughness: f32, workers: &Workers) -> Self {
+        let coarser = coarser(Self::of_directions(SIZES[0], workers, &radiance));
+        let roughness = roughness.clamp(0.0, 1.0) as f64;
+        // A lobe is about alpha wide: some thirty texels for each radian of it.
+        let size = (32.0 / (roughness * roughness).max(1e-6)).clamp(64.0, SIZES[0] as f64) as usize;
+        let lobe = Lobe::new(roughness);
+        Self::of_directions(size, workers, |d| lobe.seen(&coarser, d))
+    }
+
+    /// The colour in a unit direction.
+    pub(super) fn toward(&self, d: Vec3) -> LinearRgb {
+        let [u, v] = unfold(d);
+        self.at(u, v)
+    }
+
     /// Four neighbouring texels, for `u` and `v` within [0, 1].
     #[inline(always)]
     fn at(&self, u: f32, v: f32) -> LinearRgb {
@@ -197,6 +209,15 @@ impl Unfolded {
         });
         Self { size, texels: texels.collect() }
     }
+}
+
+/// A sphere and ever coarser copies of it.
+fn coarser(sharp: Unfolded) -> Vec<Unfolded> {
+    let mut coarser = vec![sharp];
+    while coarser[coarser.len() - 1].size > 4 {
+        coarser.push(coarser[coarser.len() - 1].halved());
+    }
+    coarser
 }
 
 /// The spherical harmonics of a coarse copy, each texel weighted by its solid angle.
@@ -260,7 +281,7 @@ impl Lobe {
 }
 
 /// Texels as linear light; what is no finite number of light is dark, and brighter than 2^16 is that.
-fn linear(image: &TextureImage) -> Image<[f32; 4]> {
+pub(super) fn linear(image: &TextureImage) -> Image<[f32; 4]> {
     let srgb = image.encoding == Encoding::Srgb;
     let from_byte = |b: u8| if srgb { LINEAR_FROM_SRGB8[b as usize] } else { b as f32 / 255.0 };
     let from_word = |w: u16| {
@@ -278,11 +299,7 @@ fn linear(image: &TextureImage) -> Image<[f32; 4]> {
 /// Means of four until no wider than `width`: more detail than a level holds would flicker.
 fn halved_until(mut image: Image<[f32; 4]>, width: u32) -> Image<[f32; 4]> {
     while image.size.width > width && image.size.height > 1 {
-        let half = Size::new(image.size.width / 2, image.size.height / 2);
-        image = Image::from_fn(half, |x, y| {
-            let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| *image.at(2 * x + i, 2 * y + j));
-            std::array::from_fn(|c| (four[0][c] + four[1][c] + four[2][c] + four[3][c]) * 0.25)
-        });
+        image = halved(&image);
     }
     image
 }
@@ -301,6 +318,12 @@ fn panorama_at(image: &Image<[f32; 4]>, d: Vec3) -> LinearRgb {
 }
 
 fn cube_at(faces: &[Image<[f32; 4]>; 6], d: Vec3) -> LinearRgb {
+    let (face, [u, v]) = cube_face(d);
+    within(&faces[face], u, v)
+}
+
+/// Which face of a cube a direction falls on, and where, as OpenGL turns them.
+pub(super) fn cube_face(d: Vec3) -> (usize, [f32; 2]) {
     let a = d.abs();
     let (face, u, v, major) = if a.x >= a.y && a.x >= a.z {
         if d.x > 0.0 { (0, -d.z, -d.y, a.x) } else { (1, d.z, -d.y, a.x) }
@@ -311,16 +334,28 @@ fn cube_at(faces: &[Image<[f32; 4]>; 6], d: Vec3) -> LinearRgb {
     } else {
         (5, -d.x, -d.y, a.z)
     };
-    let image = &faces[face];
+    (face, [u, v].map(|t| t / major * 0.5 + 0.5))
+}
+
+/// Four texels of a face.
+pub(super) fn within(image: &Image<[f32; 4]>, u: f32, v: f32) -> LinearRgb {
     let last = image.size.width.min(image.size.height) - 1;
-    let place = |t: f32| ((t / major * 0.5 + 0.5) * (last + 1) as f32 - 0.5).clamp(0.0, last as f32);
+    let place = |t: f32| (t * (last + 1) as f32 - 0.5).clamp(0.0, last as f32);
     let (x, y) = (place(u), place(v));
     let (i, j) = (x as u32, y as u32);
     let texel = |dx: u32, dy: u32| image.at((i + dx).min(last), (j + dy).min(last));
     mixed_four([texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)], x - i as f32, y - j as f32)
 }
 
-fn mixed_four(four: [&[f32; 4]; 4], fx: f32, fy: f32) -> LinearRgb {
+/// Half as many texels each way, means of four; an odd last row or column is left out.
+pub(super) fn halved(image: &Image<[f32; 4]>) -> Image<[f32; 4]> {
+    Image::from_fn(Size::new(image.size.width / 2, image.size.height / 2), |x, y| {
+        let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| *image.at(2 * x + i, 2 * y + j));
+        std::array::from_fn(|c| (four[0][c] + four[1][c] + four[2][c] + four[3][c]) * 0.25)
+    })
+}
+
+pub(super) fn mixed_four(four: [&[f32; 4]; 4], fx: f32, fy: f32) -> LinearRgb {
     std::array::from_fn(|c| {
         let top = four[0][c] + (four[1][c] - four[0][c]) * fx;
         let bottom = four[2][c] + (four[3][c] - four[2][c]) * fx;

@@ -3,6 +3,7 @@
 //! [`shade()`] turns a batch of surfaces into linear light, [`Develop`] turns rows of linear light into bytes.
 
 pub mod ambient;
+pub mod backdrop;
 pub mod background;
 pub mod baseline;
 mod coverage;
@@ -23,6 +24,7 @@ mod svg;
 pub mod ticks;
 
 pub use ambient::Ambient;
+pub use backdrop::Backdrop;
 pub use background::Background;
 pub use develop::{Curve, Develop};
 pub use drawing::Drawing;

@@ -19,8 +19,12 @@ pub struct LayerRecipe {
     pub isolines: Option<f64>,
     /// Hides by the values of a field: `above`, `below` or `within` say which are kept.
     pub filter: Option<String>,
-    /// Six faces of a cube (+X, -X, +Y, -Y, +Z, -Z) or `sample:NAME`; a volume's slices, front to back.
+    /// Six faces of a cube (+X, -X, +Y, -Y, +Z, -Z), one picture of all six, or `sample:NAME`; a volume's slices, front to
+    /// back.
     pub images: Option<Vec<String>>,
+    /// Of a cube in one picture: `vertical-strip`, `horizontal-strip`, `vertical-cross`, `horizontal-cross`; absent: by its
+    /// proportions.
+    pub layout: Option<String>,
     /// Of samples: texels along an edge.
     pub texels: Option<u32>,
     /// Of `images`: `cube` or `volume`.
@@ -180,6 +184,16 @@ pub enum Words {
     One(String),
     /// One each.
     Each(Vec<String>),
+}
+
+impl Words {
+    /// As a list.
+    pub fn list(&self) -> &[String] {
+        match self {
+            Self::One(word) => std::slice::from_ref(word),
+            Self::Each(words) => words,
+        }
+    }
 }
 
 /// One number, or a list of numbers.

@@ -15,6 +15,7 @@ pub mod render;
 pub mod prepare;
 pub mod source;
 pub mod text;
+pub mod turntable;
 pub mod view;
 mod words;
 
@@ -24,6 +25,7 @@ pub use render::Picture;
 pub use view::View;
 pub use words::color;
 
+use layer::Words;
 use serde::{Deserialize, Serialize};
 
 /// A picture, written down. [`text::parse`] reads it from TOML, [`text::to_toml`] writes it.
@@ -60,6 +62,9 @@ pub struct Recipe {
     /// What is written.
     #[serde(skip_serializing_if = "is_default")]
     pub output: Output,
+    /// How the camera walks around, for a moving picture.
+    #[serde(skip_serializing_if = "is_default")]
+    pub turntable: TurntableRecipe,
     /// Where the gallery's page puts it.
     #[serde(skip_serializing_if = "is_default")]
     pub gallery: GalleryPlace,
@@ -130,9 +135,15 @@ pub struct PictureRecipe {
     pub samples: Option<u32>,
     /// `studio`, `headlight`, `outdoor`, `flat`, or `file` for the file's own lights.
     pub light: Option<String>,
-    /// A panorama (equirectangular image) that lights the scene.
-    pub environment: Option<String>,
-    /// `light`, `studio`, `white`, `dark`, `transparent`, or a colour `#rrggbb`.
+    /// The surroundings that light the scene: a panorama (equirectangular image), a cube in one picture (strip or cross,
+    /// told by its proportions), a list of six faces (+X, -X, +Y, -Y, +Z, -Z), or `sample:NAME`.
+    pub environment: Option<Words>,
+    /// How one picture holds the surroundings: `panorama`, `vertical-strip`, `horizontal-strip`, `vertical-cross`,
+    /// `horizontal-cross`.
+    pub environment_layout: Option<String>,
+    /// Of the background `environment`: 0 sharp to 1 a wash of light.
+    pub environment_blur: Option<f32>,
+    /// `light`, `studio`, `white`, `dark`, `transparent`, `environment` (what lights the scene), or a colour `#rrggbb`.
     pub background: Option<String>,
     /// A soft contact shadow on an endless floor.
     pub ground: Option<bool>,
@@ -226,6 +237,18 @@ pub struct Output {
     pub coding: Option<String>,
     /// Texels across and down that addresses count; absent: those of the base colour texture.
     pub info_size: Option<[u32; 2]>,
+}
+
+/// How the camera walks around the object.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TurntableRecipe {
+    /// How many pictures; absent: 36.
+    pub frames: Option<u32>,
+    /// Pictures a second; absent: 12.
+    pub fps: Option<f32>,
+    /// How far, degrees; absent: once around, 360. Below zero the other way.
+    pub turn: Option<f32>,
 }
 
 /// Where the gallery's page puts a picture, and what it stands beside.

@@ -10,7 +10,7 @@ use crate::par::Workers;
 use crate::picture::legend::legend_alone;
 use crate::picture::render::{self, Shortfall};
 use crate::recipe::words::{choose_or, impossible};
-use crate::recipe::{Prepared, Recipe, text};
+use crate::recipe::{Prepared, Recipe, View, text};
 use crate::visibility::Samples;
 use std::path::{Path, PathBuf};
 
@@ -75,6 +75,16 @@ fn coding(recipe: &Recipe) -> Result<(Coding, Option<Size>)> {
     Ok((coding, size))
 }
 
+/// What a file says about itself.
+pub(super) fn metadata<'a>(recipe: &Recipe, view: &View, about: &[(&'a str, String)]) -> Vec<(&'a str, String)> {
+    let mut metadata: Vec<(&str, String)> = vec![("Software", format!("Impasto {}", env!("CARGO_PKG_VERSION")))];
+    metadata.extend(about.iter().map(|(k, v)| (*k, v.clone())));
+    metadata.push(("Scene", recipe.subject().into()));
+    metadata.push(("Camera", view.to_string()));
+    metadata.push(("Recipe", text::to_toml(recipe)));
+    metadata
+}
+
 /// Makes all files that a recipe asks for. `about` is written into them, beside the recipe itself.
 ///
 /// # Errors
@@ -86,11 +96,7 @@ pub fn make(
     workers: &Workers,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<(Vec<Made>, Shortfall)> {
-    let mut metadata: Vec<(&str, String)> = vec![("Software", format!("Impasto {}", env!("CARGO_PKG_VERSION")))];
-    metadata.extend(about.iter().map(|(k, v)| (*k, v.clone())));
-    metadata.push(("Scene", recipe.subject().into()));
-    metadata.push(("Camera", prepared.view.to_string()));
-    metadata.push(("Recipe", text::to_toml(recipe)));
+    let mut metadata = metadata(recipe, &prepared.view, about);
     metadata.extend(prepared.keys.first().map(|key| ("Data", key.to_json())));
     let out = &recipe.output;
     let mut made = Vec::new();

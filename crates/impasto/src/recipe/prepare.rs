@@ -7,10 +7,11 @@ use crate::lookup::{ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading
 use crate::math::Size;
 use crate::par::Workers;
 use crate::picture::legend::{LegendLayout, LegendSpec};
-use crate::picture::{Background, Develop, Environment, Lighting};
+use crate::picture::{Backdrop, Background, Develop, Environment, Lighting};
 use crate::placement::{self, Placement, UnwrapOptions};
 use crate::recipe::data::{self, Key};
 use crate::recipe::layer::LayerRecipe;
+use crate::recipe::source::Surroundings;
 use crate::recipe::words::{choose, color, impossible};
 use crate::recipe::{Recipe, SurfaceRecipe, View, legend, source, stack, view};
 use crate::visibility::Samples;
@@ -37,6 +38,8 @@ pub struct Prepared {
     pub unlit: bool,
     /// What is seen where no surface is.
     pub background: Background,
+    /// Of the background `environment`: what is seen along each line of sight.
+    pub backdrop: Option<Backdrop>,
     /// How light becomes bytes.
     pub develop: Develop,
     /// A contact shadow on a floor.
@@ -61,7 +64,7 @@ pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report
     let size = size(recipe)?;
     let samples = recipe.picture.samples.unwrap_or(4);
     let samples = Samples::from_n(samples).ok_or_else(|| impossible("samples", samples, "1, 4 or 16"))?;
-    let background = view::background(recipe.picture.background.as_deref())?;
+    let background = view::background(&recipe.picture)?;
 
     let Report { value: mut scene, mut mended } = source::scene(&recipe.input, base)?;
     let mut uv_set = 0;
@@ -94,12 +97,31 @@ pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report
 
     let frame = Size::new(size.width - legend.as_ref().map_or(0, |(_, l)| l.width), size.height);
     let view = view::view(&recipe.camera, &scene, frame)?;
-    let environment = match &recipe.picture.environment {
+    let around = match &recipe.picture.environment {
         None => None,
-        Some(name) => Some(source::image(name, base, (None, on_seed(recipe)), &mut mended)?),
+        Some(names) => {
+            let layout = recipe.picture.environment_layout.as_deref();
+            Some(source::surroundings(names, layout, base, on_seed(recipe), &mut mended)?)
+        }
     };
     let viewpoint = view.domain(&scene, frame, size).view;
-    let environment = environment.map(|image| Arc::new(Environment::of_panorama(&image, 0.0, workers)));
+    let backdrop = match (background, &around) {
+        (Background::Environment { .. }, Some(_)) if matches!(view, View::Atlas(_)) => {
+            return Err(impossible("background", "environment", "over an atlas nothing is seen behind the surface"));
+        }
+        (Background::Environment { blur }, Some(Surroundings::Panorama(image))) => {
+            Some(Backdrop::of_panorama(image, blur, workers))
+        }
+        (Background::Environment { blur }, Some(Surroundings::Cube(faces))) => {
+            Some(Backdrop::of_cube(faces, blur, workers))
+        }
+        _ => None,
+    };
+    let environment = around.map(|around| match around {
+        Surroundings::Panorama(image) => Environment::of_panorama(&image, 0.0, workers),
+        Surroundings::Cube(faces) => Environment::of_cube(&faces, workers),
+    });
+    let environment = environment.map(Arc::new);
     let lighting = view::lighting(recipe, &scene, &viewpoint, environment)?;
     let unlit = recipe.picture.unlit.unwrap_or(false);
     let is_lit = !unlit && looks.looks.iter().any(|l| l.shading != Shading::Unlit);
@@ -115,6 +137,7 @@ pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report
         lighting,
         unlit,
         background,
+        backdrop,
         develop,
         ground,
         keys,

@@ -21,6 +21,13 @@ pub struct Picture {
     pub shortfall: Shortfall,
 }
 
+/// What is kept from picture to picture of one scene: the renderer's rooms, and the shadow on the ground.
+#[derive(Default)]
+pub struct Stage {
+    renderer: Renderer,
+    ground: Option<Ground>,
+}
+
 /// A picture's light before it is developed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightPicture {
@@ -45,8 +52,13 @@ impl Prepared {
 
     /// The picture in bytes. `progress` hears shares from 0 to 1, from any thread.
     pub fn render(&self, workers: &Workers, progress: &(dyn Fn(f32) + Sync)) -> Picture {
+        self.render_on(&mut Stage::default(), workers, progress)
+    }
+
+    /// The same on a stage that is kept from picture to picture of one scene.
+    pub fn render_on(&self, stage: &mut Stage, workers: &Workers, progress: &(dyn Fn(f32) + Sync)) -> Picture {
         let mut pixels = vec![[0u8; 4]; self.size.n_cells()];
-        let shortfall = self.draw(workers, progress, &mut pixels, |[_, y], light, row| {
+        let shortfall = self.draw(stage, (workers, progress), &mut pixels, |[_, y], light, row| {
             develop_row(&self.develop, workers, light, self.background.row(y, self.size), y, row);
         });
         if let Some((_, legend)) = &self.legend {
@@ -58,32 +70,39 @@ impl Prepared {
     /// The picture in linear light.
     pub fn light(&self, workers: &Workers, progress: &(dyn Fn(f32) + Sync)) -> LightPicture {
         let mut light = vec![[0.0; 4]; self.size.n_cells()];
-        let shortfall = self.draw(workers, progress, &mut light, |_, cells, row| row.copy_from_slice(cells));
+        let stage = &mut Stage::default();
+        let shortfall = self.draw(stage, (workers, progress), &mut light, |_, cells, row| row.copy_from_slice(cells));
         LightPicture { size: self.size, light, shortfall }
     }
 
     fn draw<T: Copy + Send>(
         &self,
-        workers: &Workers,
-        progress: &(dyn Fn(f32) + Sync),
+        Stage { renderer, ground }: &mut Stage,
+        (workers, progress): (&Workers, &(dyn Fn(f32) + Sync)),
         picture: &mut [T],
         finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync + Send,
     ) -> Shortfall {
         let (domain, shot) = (self.domain(), self.shot(self.samples));
-        let mut renderer = Renderer::default();
         renderer.sort(&domain, &shot, workers);
         let n_done = AtomicUsize::new(0);
         let n_cells = self.size.n_cells();
-        let ground = self.ground.then(|| Ground::under(&self.scene.mesh, workers));
-        let floor = ground.as_ref().and_then(|g| g.lens(&domain).map(|lens| (g, lens)));
+        if self.ground && ground.is_none() {
+            *ground = Some(Ground::under(&self.scene.mesh, workers));
+        }
+        let ground = ground.as_ref().filter(|_| self.ground);
+        let floor = ground.and_then(|g| g.lens(&domain).map(|lens| (g, lens)));
         renderer.shade(&domain, &shot, workers, picture, |place, cells, row| {
-            match &floor {
-                None => finish(place, cells, row),
-                Some((ground, lens)) => {
-                    let mut cells = cells.to_vec();
+            if floor.is_none() && self.backdrop.is_none() {
+                finish(place, cells, row);
+            } else {
+                let mut cells = cells.to_vec();
+                if let Some((ground, lens)) = &floor {
                     ground.darken(lens, place, &mut cells);
-                    finish(place, &cells, row);
                 }
+                if let Some(backdrop) = &self.backdrop {
+                    backdrop.fill(&domain, place, &mut cells);
+                }
+                finish(place, &cells, row);
             }
             let done = n_done.fetch_add(cells.len(), Ordering::Relaxed) + cells.len();
             // One call for some thousand cells: often enough for the eye.

@@ -1,12 +1,14 @@
 //! What a recipe names: files beside it, and samples made by formula.
 
-use crate::assets::{Scene, TextureImage, files};
+use crate::assets::cube_layout::{self, Faces};
+use crate::assets::{CubeLayout, Scene, TextureImage, files};
 use crate::error::{Error, Mended, Report, Result};
 use crate::lookup::{ColorTable, tables};
 use crate::math::Size;
+use crate::recipe::layer::Words;
 use crate::recipe::outside;
 use crate::recipe::text::guess;
-use crate::recipe::words::{choose_or, impossible};
+use crate::recipe::words::{choose, choose_or, impossible};
 use crate::recipe::{Input, Recipe};
 use crate::samples::{self, texture};
 use std::path::{Path, PathBuf};
@@ -108,6 +110,61 @@ pub(super) fn table(given: &str, base: &Path) -> Result<ColorTable> {
     let path = place(base, given);
     let bytes = std::fs::read(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
     tables::parse(&bytes, &path.to_string_lossy())
+}
+
+/// What is all around a scene.
+pub(super) enum Surroundings {
+    Panorama(TextureImage),
+    Cube(Box<Faces>),
+}
+
+/// The surroundings a recipe names; cubes of files are turned into our world.
+pub(super) fn surroundings(
+    given: &Words,
+    layout: Option<&str>,
+    base: &Path,
+    seed: u32,
+    mended: &mut Vec<Mended>,
+) -> Result<Surroundings> {
+    let names = given.list();
+    let [name] = names else {
+        return cube(names, layout, base, (None, seed), mended).map(|faces| Surroundings::Cube(Box::new(faces)));
+    };
+    if STACKS.iter().any(|s| name.strip_prefix(SAMPLE) == Some(s)) {
+        // As fine as a panorama.
+        return cube(names, layout, base, (Some(TEXTURE_SIZE / 4), seed), mended)
+            .map(|f| Surroundings::Cube(Box::new(f)));
+    }
+    let image = image(name, base, (None, seed), mended)?;
+    Ok(match cube_layout(layout, &image)? {
+        CubeLayout::Panorama => Surroundings::Panorama(image),
+        layout => Surroundings::Cube(Box::new(cube_layout::in_our_world(layout.cut(&image)?))),
+    })
+}
+
+/// Six faces a recipe names: six files, one picture of all, or a sample.
+pub(super) fn cube(
+    names: &[String],
+    layout: Option<&str>,
+    base: &Path,
+    making: Making,
+    mended: &mut Vec<Mended>,
+) -> Result<Faces> {
+    let images = images(names, base, making, mended)?;
+    if names.len() == 1 && names[0].starts_with(SAMPLE) {
+        return cube_layout::check(images);
+    }
+    let faces = match &images[..] {
+        [one] => cube_layout(layout, one)?.cut(one)?,
+        _ => cube_layout::check(images)?,
+    };
+    Ok(cube_layout::in_our_world(faces))
+}
+
+/// How a picture holds its cube: as the recipe says, else by its proportions.
+pub(super) fn cube_layout(given: Option<&str>, image: &TextureImage) -> Result<CubeLayout> {
+    let absent = CubeLayout::of(image.texels.size());
+    given.map_or(Ok(absent), |given| choose("layout", given, &CubeLayout::NAMES))
 }
 
 /// Sample textures of one image.

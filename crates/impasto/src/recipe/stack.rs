@@ -1,6 +1,6 @@
 //! Layers of a recipe to layers of looks: textures prepared, coordinates placed, operators named.
 
-use crate::assets::{Filter, MinFilter, Sampler, Scene, Wrap};
+use crate::assets::{CubeLayout, Filter, MinFilter, Sampler, Scene, Wrap};
 use crate::error::{Error, Mended, Result};
 use crate::lookup::{
     BaseFormat, Channel, Compare, ImageTexture, Layer, Operator, Pattern, Prepare, Procedural, Target, Texture,
@@ -291,9 +291,29 @@ fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended: &mut Vec<M
     if let Some(names) = &recipe.images {
         let shape = recipe.shape.as_deref().unwrap_or("cube");
         let is_cube = choose("shape", shape, &[("cube", true), ("volume", false)])?;
-        let images = source::images(names, on.base, (recipe.texels, seed), mended)?;
-        let made = if is_cube { ImageTexture::cube(&images, &how) } else { ImageTexture::volume(&images, &how) };
+        let making = (recipe.texels, seed);
+        let made = match is_cube {
+            true => {
+                let faces = source::cube(names, recipe.layout.as_deref(), on.base, making, mended)?;
+                ImageTexture::cube(&faces, &how)
+            }
+            false => ImageTexture::volume(&source::images(names, on.base, making, mended)?, &how),
+        };
         return Ok(Texture::Image(made?));
+    }
+    // Where a direction is the coordinate, one picture may hold the six faces it picks from.
+    let is_direction = matches!(recipe.coordinate.as_deref(), Some("reflection-map" | "normal-map"));
+    if let Some(name) = recipe.image.as_ref().filter(|_| is_direction || recipe.layout.is_some()) {
+        let is_stack = source::STACKS.iter().any(|s| name.strip_prefix(source::SAMPLE) == Some(s));
+        let is_cube = is_stack || recipe.layout.is_some() || {
+            let image = source::image(name, on.base, (recipe.texels, seed), &mut Vec::new())?;
+            source::cube_layout(None, &image)? != CubeLayout::Panorama
+        };
+        if is_cube {
+            let names = std::slice::from_ref(name);
+            let faces = source::cube(names, recipe.layout.as_deref(), on.base, (recipe.texels, seed), mended)?;
+            return Ok(Texture::Image(ImageTexture::cube(&faces, &how)?));
+        }
     }
     let image = source::image(recipe.image.as_deref().unwrap_or_default(), on.base, (recipe.texels, seed), mended)?;
     Ok(Texture::Image(ImageTexture::new(&image, &how)))

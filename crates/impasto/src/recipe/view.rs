@@ -7,7 +7,7 @@ use crate::math::{Projection, Size, Vec3, unit_or};
 use crate::picture::{Background, Curve, Develop, Environment, Light, LightKind, Lighting, Reflection};
 use crate::placement::Viewpoint;
 use crate::recipe::words::{choose, choose_or, color, impossible};
-use crate::recipe::{CameraRecipe, LightRecipe, Recipe};
+use crate::recipe::{CameraRecipe, LightRecipe, PictureRecipe, Recipe};
 use crate::visibility::camera::FOV_Y;
 use crate::visibility::{Camera, Direction, Domain};
 use std::sync::Arc;
@@ -40,6 +40,42 @@ impl View {
 
 /// The view a recipe asks for.
 pub(super) fn view(recipe: &CameraRecipe, scene: &Scene, size: Size) -> Result<View> {
+    view_of(recipe, scene, size, || seen_points(scene))
+}
+
+/// The first view of a turn about the vertical line through the object's middle (or the camera's target), and that
+/// middle. Where the recipe leaves the framing to us, it holds for the whole turn.
+pub(super) fn turning_view(recipe: &CameraRecipe, scene: &Scene, size: Size) -> Result<(Camera, Vec3)> {
+    let middle = recipe.target.map_or(Ok(scene.mesh.bounds().center()), |t| finite("target", t))?;
+    match view_of(recipe, scene, size, || swept(&seen_points(scene), scene.mesh.bounds().center()))? {
+        View::Camera(camera) => Ok((camera, middle)),
+        View::Atlas(_) => Err(impossible("camera", "atlas", "an atlas cannot be walked around")),
+    }
+}
+
+/// What points sweep when they turn about the vertical line through `middle`: rings around it, one above the other.
+fn swept(points: &[Vec3], middle: Vec3) -> Vec<Vec3> {
+    const N_SLICES: usize = 256;
+    const N_AROUND: usize = 128;
+    let (least, most) = points.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), p| (a.min(p.y), b.max(p.y)));
+    // Of each slice: lowest and highest point, and the greatest distance from the line.
+    let mut slices = [(f32::INFINITY, f32::NEG_INFINITY, 0.0f32); N_SLICES];
+    for p in points {
+        let share = (p.y - least) / (most - least).max(f32::MIN_POSITIVE);
+        let slice = &mut slices[((share * N_SLICES as f32) as usize).min(N_SLICES - 1)];
+        let [x, z] = [p.x - middle.x, p.z - middle.z];
+        *slice = (slice.0.min(p.y), slice.1.max(p.y), slice.2.max((x * x + z * z).sqrt()));
+    }
+    let around: Vec<[f32; 2]> = (0..N_AROUND)
+        .map(|i| i as f64 * (2.0 * std::f64::consts::PI / N_AROUND as f64))
+        .map(|a| [crate::math::exact::cos(a) as f32, crate::math::exact::sin(a) as f32])
+        .collect();
+    let ring = |y: f32, r: f32| around.iter().map(move |[c, s]| Vec3::new(middle.x + r * c, y, middle.z + r * s));
+    let used = slices.iter().filter(|s| s.0 <= s.1);
+    used.flat_map(|(low, high, r)| ring(*low, *r).chain(ring(*high, *r))).collect()
+}
+
+fn view_of(recipe: &CameraRecipe, scene: &Scene, size: Size, points: impl Fn() -> Vec<Vec3>) -> Result<View> {
     let name = recipe.view.as_deref().unwrap_or("three-quarter");
     if name == "atlas" {
         let set = recipe.uv_set.unwrap_or(0) as usize;
@@ -86,11 +122,10 @@ pub(super) fn view(recipe: &CameraRecipe, scene: &Scene, size: Size) -> Result<V
     }
     let projection = if is_parallel { Projection::Orthographic { height: 1.0 } } else { perspective };
     let camera = match recipe.target {
-        None => Camera::framing(&seen_points(scene), direction, projection, size, fill),
+        None => Camera::framing(&points(), direction, projection, size, fill),
         // Looking at one place: as large as the whole object would be.
         Some(target) => {
-            let points = seen_points(scene);
-            let framed = Camera::framing(&points, direction, projection, size, fill);
+            let framed = Camera::framing(&points(), direction, projection, size, fill);
             let shift = finite("target", target)? - scene.mesh.bounds().center();
             let mut world_from_camera = framed.world_from_camera;
             world_from_camera.w_axis += shift.extend(0.0);
@@ -220,10 +255,18 @@ fn light(recipe: &LightRecipe) -> Result<Light> {
 }
 
 /// What is seen where no surface is.
-pub(super) fn background(given: Option<&str>) -> Result<Background> {
-    let given = given.unwrap_or("light");
+pub(super) fn background(recipe: &PictureRecipe) -> Result<Background> {
+    let given = recipe.background.as_deref().unwrap_or("light");
     if let Some(background) = Background::by_name(given) {
-        return Ok(background);
+        let Background::Environment { .. } = background else { return Ok(background) };
+        if recipe.environment.is_none() {
+            return Err(impossible("background", given, "it needs an environment: --environment IMAGE"));
+        }
+        let blur = recipe.environment_blur.unwrap_or(0.0);
+        if !(0.0..=1.0).contains(&blur) {
+            return Err(impossible("environment blur", blur, "0 (sharp) to 1 (a wash of light)"));
+        }
+        return Ok(Background::Environment { blur });
     }
     let plain = |c: [f32; 4]| Background::Plain([c[0], c[1], c[2]] as LinearRgb);
     color("background", given).map(plain).map_err(|_| {

@@ -1,0 +1,179 @@
+//! A walk around the object, as a moving picture.
+
+use crate::assets::animation::{self, Timing};
+use crate::error::{Mended, Result};
+use crate::math::{Mat4, Vec3, exact};
+use crate::par::Workers;
+use crate::picture::Reflection;
+use crate::picture::render::Shortfall;
+use crate::recipe::render::Stage;
+use crate::recipe::words::impossible;
+use crate::recipe::{Prepared, Recipe, View, output, prepare, view};
+use crate::visibility::Camera;
+use std::path::Path;
+
+/// Pictures of one walk, unless the recipe says otherwise: 10 degrees apart.
+pub const FRAMES: u32 = 36;
+
+/// Pictures a second, unless the recipe says otherwise: three seconds for a walk.
+pub const FPS: f32 = 12.0;
+
+/// A walk around a scene that is ready to be drawn.
+pub struct Turntable {
+    /// The scene, looked at from where the walk begins.
+    pub prepared: Prepared,
+    /// How it runs.
+    pub timing: Timing,
+    /// The whole way, radians.
+    turn: f64,
+    start: Camera,
+    /// On the vertical line that the camera walks around.
+    middle: Vec3,
+}
+
+impl Turntable {
+    /// Loads what a recipe names, and places the camera so that nothing is cropped on the whole way.
+    ///
+    /// # Errors
+    /// As [`prepare`]; `Parameter` for numbers that cannot be.
+    pub fn new(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<(Self, Vec<Mended>)> {
+        let walk = &recipe.turntable;
+        let turn = walk.turn.unwrap_or(360.0) as f64;
+        if !(turn.abs() <= 36_000.0 && turn != 0.0) {
+            return Err(impossible("turn", turn, "degrees, up to a hundred times around"));
+        }
+        let timing = Timing { n_frames: walk.frames.unwrap_or(FRAMES), fps: walk.fps.unwrap_or(FPS) };
+        let report = prepare(recipe, base, workers)?;
+        let mut prepared = report.value;
+        let (start, middle) = view::turning_view(&recipe.camera, &prepared.scene, prepared.frame)?;
+        prepared.view = View::Camera(start);
+        Ok((Self { prepared, timing, turn: turn.to_radians(), start, middle }, report.mended))
+    }
+
+    /// The camera of a frame. A whole turn closes: the frame after the last would be the first.
+    pub fn camera(&self, frame: u32) -> Camera {
+        let whole = 2.0 * std::f64::consts::PI;
+        let is_closed = ((self.turn / whole).round() * whole - self.turn).abs() < 1e-9;
+        let n_steps = if is_closed { self.timing.n_frames } else { (self.timing.n_frames - 1).max(1) };
+        let angle = self.turn * frame as f64 / n_steps as f64;
+        let (s, c) = (exact::sin(angle) as f32, exact::cos(angle) as f32);
+        let turn = Mat4::from_cols_array_2d(&[
+            [c, 0.0, -s, 0.0],
+            [0.0, 1.0, 0.0, 0.0],
+            [s, 0.0, c, 0.0],
+            [0.0, 0.0, 0.0, 1.0],
+        ]);
+        let world_from_camera = Mat4::from_translation(self.middle)
+            * turn
+            * Mat4::from_translation(-self.middle)
+            * self.start.world_from_camera;
+        Camera { world_from_camera, ..self.start }
+    }
+
+    /// Draws all frames and writes them to `path`: a GIF, an animated PNG, or a folder. `about` is written into the file,
+    /// beside the recipe. `progress` hears shares from 0 to 1, from any thread.
+    ///
+    /// # Errors
+    /// What the lights of the recipe cannot be; `Write`. Nothing is left behind then.
+    pub fn write(
+        &mut self,
+        recipe: &Recipe,
+        (path, about): (&Path, &[(&str, String)]),
+        workers: &Workers,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<Shortfall> {
+        let metadata = output::metadata(recipe, &self.prepared.view, about);
+        let mut stage = Stage::default();
+        let mut shortfall = Shortfall::default();
+        let (size, timing) = (self.prepared.size, self.timing);
+        animation::write(path, size, timing, &metadata, |i| {
+            self.look_from(recipe, self.camera(i))?;
+            let share = |s: f32| progress((i as f32 + s) / timing.n_frames as f32);
+            let picture = self.prepared.render_on(&mut stage, workers, &share);
+            shortfall.n_truncated_tiles = shortfall.n_truncated_tiles.max(picture.shortfall.n_truncated_tiles);
+            Ok(picture.pixels)
+        })?;
+        Ok(shortfall)
+    }
+
+    /// Moves the camera, and with it the lights that stand by the camera.
+    fn look_from(&mut self, recipe: &Recipe, camera: Camera) -> Result<()> {
+        let prepared = &mut self.prepared;
+        prepared.view = View::Camera(camera);
+        let environment = match &prepared.lighting.reflection {
+            Reflection::Environment(environment) => Some(environment.clone()),
+            Reflection::Surroundings(_) => None,
+        };
+        prepared.lighting = view::lighting(recipe, &prepared.scene, &camera.viewpoint(), environment)?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assets::{Texels, image_files};
+    use crate::recipe::text;
+
+    fn recipe(more: &str) -> Recipe {
+        let text = format!("[input]\nfile = \"sample:knot\"\nresolution = 16\n[picture]\nsize = [48, 40]\n{more}");
+        text::parse(&text, Path::new("a.toml")).expect("a recipe")
+    }
+
+    fn turntable(more: &str) -> Result<Turntable> {
+        Turntable::new(&recipe(more), Path::new(""), &Workers::new(1)).map(|(t, _)| t)
+    }
+
+    #[test]
+    fn the_camera_walks_around_once_at_one_distance() {
+        let table = turntable("[turntable]\nframes = 8").expect("a walk");
+        let eyes: Vec<Vec3> = (0..9).map(|i| table.camera(i).eye() - table.middle).collect();
+        assert!((eyes[8] - eyes[0]).length() < 1e-5 * eyes[0].length(), "a whole turn closes");
+        for eye in &eyes {
+            assert!((eye.length() - eyes[0].length()).abs() < 1e-5 * eye.length() && (eye.y - eyes[0].y).abs() < 1e-6);
+        }
+        assert!((eyes[4] + eyes[0]).length() < 2.001 * eyes[0].y.abs(), "half-way it stands on the other side");
+        let half = turntable("[turntable]\nframes = 5\nturn = 180").expect("a walk");
+        let opposite = half.camera(4).eye() - half.middle + (half.camera(0).eye() - half.middle);
+        assert!(opposite.length() < 2.001 * eyes[0].y.abs(), "a part of a turn ends where it says");
+    }
+
+    #[test]
+    fn nothing_is_cropped_on_the_way() {
+        let mut table = turntable("[turntable]\nframes = 6").expect("a walk");
+        let recipe = recipe("");
+        for i in 0..6 {
+            table.look_from(&recipe, table.camera(i)).expect("lights");
+            let picture = table.prepared.light(&Workers::new(1), &|_| ());
+            let at = |x: usize, y: usize| picture.light[y * 48 + x][3];
+            let edge = (0..48).map(|x| at(x, 0).max(at(x, 39))).chain((0..40).map(|y| at(0, y).max(at(47, y))));
+            assert_eq!(edge.fold(0.0, f32::max), 0.0, "frame {i}");
+            assert!(at(24, 20) > 0.0 || at(20, 20) > 0.0 || at(28, 20) > 0.0);
+        }
+    }
+
+    #[test]
+    fn frames_are_the_pictures_of_their_cameras() {
+        let folder = tempfile::tempdir().expect("a folder for the test");
+        let path = folder.path().join("frames");
+        let recipe = recipe("ground = true\n[turntable]\nframes = 3");
+        let workers = Workers::new(2);
+        let mut table = turntable("ground = true\n[turntable]\nframes = 3").expect("a walk");
+        table.write(&recipe, (&path, &[]), &workers, &|_| ()).expect("frames");
+        for i in 0..3 {
+            table.look_from(&recipe, table.camera(i)).expect("lights");
+            let alone = table.prepared.render(&workers, &|_| ());
+            let file = path.join(format!("frame-{:04}.png", i + 1));
+            let read = image_files::read(&std::fs::read(&file).expect("a frame"), &file).expect("a PNG").value;
+            let Texels::U8(image) = read.texels else { panic!("8 bits") };
+            assert!(image.texels == alone.pixels, "frame {i}");
+        }
+    }
+
+    #[test]
+    fn walks_that_cannot_be_are_refused() {
+        for more in ["[turntable]\nturn = 0", "[turntable]\nturn = nan", "[camera]\nview = \"atlas\""] {
+            assert!(turntable(more).is_err(), "{more}");
+        }
+    }
+}
