@@ -17,7 +17,7 @@ pub struct Drawing {
 }
 
 /// An upright rectangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Rect {
     /// Top left corner.
     pub min: Vec2,

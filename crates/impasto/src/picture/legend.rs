@@ -174,31 +174,16 @@ pub struct LegendLayout {
     pub width: u32,
 }
 
-/// Where a legend stands in a picture, and how much room it takes there. It never takes more than 45 % of a side.
+/// Where a legend stands in a picture, and how much room it takes there.
 pub fn layout(spec: &LegendSpec, picture: Size) -> LegendLayout {
     let sizes = Sizes::of(picture);
-    let block = Block::new(spec, picture, &sizes);
-    let (extent, margin) = (block.bounds.max - block.bounds.min, sizes.margin);
-    let (w, h) = (picture.width as f32, picture.height as f32);
-    let middle = |whole: f32, part: f32| (0.5 * (whole - part)).floor().max(0.0);
-    let (corner, width) = match spec.position {
-        Position::Right => (vec2(w - margin - extent.x, middle(h, extent.y)), extent.x + 2.0 * margin),
-        Position::Left => (vec2(margin, middle(h, extent.y)), extent.x + 2.0 * margin),
-        Position::Bottom => (vec2(middle(w, extent.x), h - margin - extent.y), extent.y + 2.0 * margin),
-    };
-    let side = if spec.position == Position::Bottom { picture.height } else { picture.width };
-    let items = block.items.into_iter().map(|item| item.moved((corner - block.bounds.min).floor())).collect();
-    LegendLayout { drawing: Drawing { size: picture, items }, width: (width.ceil() as u32).min(side) }
+    Block::new(spec, picture, &sizes).beside(picture, spec.position, &sizes)
 }
 
-/// A legend on a sheet of its own, as large as a picture of `picture` would have it, cut to what it needs.
+/// A legend on a sheet of its own, as large as a picture of this size would have it, cut to what it needs.
 pub fn legend_alone(spec: &LegendSpec, picture: Size) -> Drawing {
     let sizes = Sizes::of(picture);
-    let block = Block::new(spec, picture, &sizes);
-    let extent = (block.bounds.max - block.bounds.min + 2.0 * sizes.margin).ceil();
-    let by = (Vec2::splat(sizes.margin) - block.bounds.min).floor();
-    let items = block.items.into_iter().map(|item| item.moved(by)).collect();
-    Drawing { size: Size::new(extent.x as u32, extent.y as u32), items }
+    Block::new(spec, picture, &sizes).alone(&sizes)
 }
 
 /// Lengths that follow from a picture's size; whole pixels.
@@ -231,14 +216,15 @@ impl Sizes {
 }
 
 /// Items about an origin, and the room they take.
-struct Block {
-    items: Vec<Item>,
-    bounds: Rect,
+#[derive(Default)]
+pub(super) struct Block {
+    pub(super) items: Vec<Item>,
+    pub(super) bounds: Rect,
 }
 
 impl Block {
     fn new(spec: &LegendSpec, picture: Size, sizes: &Sizes) -> Self {
-        let mut block = Self { items: Vec::new(), bounds: Rect::new(0.0, 0.0, 0.0, 0.0) };
+        let mut block = Self::default();
         match spec.position {
             Position::Right | Position::Left => block.upright(spec, picture, sizes),
             Position::Bottom => block.lying(spec, picture, sizes),
@@ -246,39 +232,65 @@ impl Block {
         block
     }
 
+    /// Placed in a picture, half way along its side.
+    pub(super) fn beside(self, picture: Size, position: Position, sizes: &Sizes) -> LegendLayout {
+        let (extent, margin) = ((self.bounds.max - self.bounds.min).ceil(), sizes.margin);
+        let (w, h) = (picture.width as f32, picture.height as f32);
+        let middle = |whole: f32, part: f32| (0.5 * (whole - part)).floor().max(0.0);
+        let (corner, width, side) = match position {
+            Position::Right => (vec2(w - margin - extent.x, middle(h, extent.y)), extent.x, picture.width),
+            Position::Left => (vec2(margin, middle(h, extent.y)), extent.x, picture.width),
+            Position::Bottom => (vec2(middle(w, extent.x), h - margin - extent.y), extent.y, picture.height),
+        };
+        let width = ((width + 2.0 * margin) as u32).min(side);
+        let by = (corner - self.bounds.min).floor();
+        LegendLayout { drawing: Drawing { size: picture, items: self.moved(by) }, width }
+    }
+
+    /// Placed on a sheet of its own.
+    pub(super) fn alone(self, sizes: &Sizes) -> Drawing {
+        let extent = (self.bounds.max - self.bounds.min).ceil() + 2.0 * sizes.margin;
+        let by = (Vec2::splat(sizes.margin) - self.bounds.min).floor();
+        Drawing { size: Size::new(extent.x as u32, extent.y as u32), items: self.moved(by) }
+    }
+
+    fn moved(self, by: Vec2) -> Vec<Item> {
+        self.items.into_iter().map(|item| item.moved(by)).collect()
+    }
+
     /// The title, then the bar with its numbers on the right, then remarks.
     fn upright(&mut self, spec: &LegendSpec, picture: Size, sizes: &Sizes) {
         let Sizes { text, gap, .. } = *sizes;
         let swatch = (text * 0.95).round();
+        // Its remark keeps a line's distance from the number at the bar's end.
+        let apart = (text * 0.65).round();
         let width = (0.025 * picture.width as f32).round().max(10.0);
         let has = |color: Option<LinearRgba>| if color.is_some() { 1.0 } else { 0.0 };
         let n_swatches = has(spec.below) + has(spec.above) + has(spec.missing);
         // The bar gives way where title and swatches need the height.
-        let room_for_text = (0.38 * picture.width as f32 - 2.0 * sizes.margin).max(8.0 * text);
+        let room_for_text = (0.24 * picture.width as f32 - 2.0 * sizes.margin).max(8.0 * text);
         let most_lines = if picture.height < 300 { 2 } else { 3 };
         let mut length = (0.6 * picture.height as f32).round();
-        let free = picture.height as f32 - 2.0 * sizes.margin - n_swatches * (swatch + gap);
+        let free = picture.height as f32 - 2.0 * sizes.margin - n_swatches * (swatch + apart);
         length = length.min(free - (most_lines as f32 + 1.0) * sizes.line()).max(3.0 * text);
         let ticks = spec.ticks(Room { length, text_size: text, is_horizontal: false });
 
-        let y = self.header(spec, &ticks, sizes, [room_for_text, most_lines as f32], 0.0);
+        let y = self.header(spec, &ticks, sizes, [room_for_text, most_lines as f32]);
         let mut y = y + gap;
         if let Some(color) = spec.above {
-            let label = format!("> {}", numbers::single(spec.range[0].max(spec.range[1]), 4, spec.notation));
-            let label = if spec.range[0] > spec.range[1] { label.replacen('>', "<", 1) } else { label };
-            self.swatch(Rect::new(0.0, y, width, swatch), color, &beyond(spec, true).unwrap_or(label), spec, sizes);
-            y += swatch + gap;
+            self.swatch(Rect::new(0.0, y, width, swatch), color, &beyond(spec, true), spec.theme, sizes);
+            y += swatch + apart;
         }
         let bar = Rect::new(0.0, y, width, length);
         self.bar(bar, Direction::Up, spec, sizes);
         self.marks_at_right(bar, &ticks, spec, sizes);
-        y += length + gap;
+        y += length + apart;
         if let Some(color) = spec.below {
-            self.swatch(Rect::new(0.0, y, width, swatch), color, &beyond(spec, false).unwrap_or_default(), spec, sizes);
-            y += swatch + gap;
+            self.swatch(Rect::new(0.0, y, width, swatch), color, &beyond(spec, false), spec.theme, sizes);
+            y += swatch + apart;
         }
         if let Some(color) = spec.missing {
-            self.swatch(Rect::new(0.0, y, width, swatch), color, &no_value(spec), spec, sizes);
+            self.swatch(Rect::new(0.0, y, width, swatch), color, &no_value(spec.missing_share), spec.theme, sizes);
         }
     }
 
@@ -287,12 +299,12 @@ impl Block {
         let Sizes { text, gap, .. } = *sizes;
         let height = (0.025 * picture.height as f32).round().max(10.0);
         let mut length = (0.6 * picture.width as f32).round();
-        let label_width = |s: &str| font::width(s, text, Weight::Regular) + sizes.tick;
+        let label_width = |s: &str| font::width(s, text, Weight::Regular) + sizes.tick + gap;
         // Swatches with their remarks stand in a row on the right of the bar and its last number.
         let swatches: Vec<(LinearRgba, String)> = [
-            spec.below.map(|c| (c, beyond(spec, false).unwrap_or_default())),
-            spec.above.map(|c| (c, beyond(spec, true).unwrap_or_default())),
-            spec.missing.map(|c| (c, no_value(spec))),
+            spec.below.map(|c| (c, beyond(spec, false))),
+            spec.above.map(|c| (c, beyond(spec, true))),
+            spec.missing.map(|c| (c, no_value(spec.missing_share))),
         ]
         .into_iter()
         .flatten()
@@ -301,7 +313,7 @@ impl Block {
         let free = picture.width as f32 - 2.0 * sizes.margin;
         length = length.min(free).max(8.0 * text);
         let ticks = spec.ticks(Room { length, text_size: text, is_horizontal: true });
-        let y = self.header(spec, &ticks, sizes, [length, 1.0], 0.0) + gap;
+        let y = self.header(spec, &ticks, sizes, [length, 1.0]) + gap;
         let bar = Rect::new(0.0, y, length, height);
         self.bar(bar, Direction::Right, spec, sizes);
         self.marks_below(bar, &ticks, spec, sizes);
@@ -309,46 +321,36 @@ impl Block {
         let fits_beside = length + 2.0 * text + needed <= free;
         let (mut x, y) = if fits_beside { (length + 2.0 * text, y) } else { (0.0, below_numbers) };
         for (color, label) in swatches {
-            self.swatch(Rect::new(x, y, height, height), color, &label, spec, sizes);
+            self.swatch(Rect::new(x, y, height, height), color, &label, spec.theme, sizes);
             x += height + label_width(&label) + 2.0 * gap;
         }
     }
 
-    /// Title, unit and offset from `y` on; where the next thing may stand.
-    fn header(&mut self, spec: &LegendSpec, ticks: &Ticks, sizes: &Sizes, [room, n_lines]: [f32; 2], y: f32) -> f32 {
+    /// Title, unit and offset from the origin down; where the next thing may stand.
+    fn header(&mut self, spec: &LegendSpec, ticks: &Ticks, sizes: &Sizes, [room, n_lines]: [f32; 2]) -> f32 {
         let unit = numbers::unit_text(&spec.unit, ticks.exponent, spec.notation);
-        let unit = if unit.is_empty() || unit.starts_with('×') { unit } else { format!("[{unit}]") };
-        let ink = spec.theme.ink();
-        let lines = wrapped(&spec.title, room, sizes.text, n_lines as usize);
-        let mut baseline = y + (font::CAP_HEIGHT * sizes.text).round();
-        let mut end_of_last = 0.0;
-        for line in &lines {
-            let mut text = Text::new(line, vec2(0.0, baseline), sizes.text, ink);
-            text.weight = Weight::SemiBold;
-            end_of_last = text.width();
-            self.text(text);
-            baseline += sizes.line();
-        }
-        // The unit follows on the title's line if it is one and leaves room.
-        let space = 0.35 * sizes.text;
-        let unit_width = font::width(&unit, sizes.text, Weight::Regular);
-        if !unit.is_empty() {
-            let is_beside = !lines.is_empty() && end_of_last + space + unit_width <= room;
-            let x = if is_beside { end_of_last + space } else { 0.0 };
-            baseline -= if is_beside { sizes.line() } else { 0.0 };
-            let unit = font::shortened(&unit, room, sizes.text, Weight::Regular);
-            self.text(Text::new(unit, vec2(x, baseline), sizes.text, spec.theme.soft_ink()));
-            baseline += sizes.line();
-        }
+        let mut lines = title_lines(&spec.title, &unit, [room, n_lines], sizes.text);
         if ticks.offset != 0.0 {
-            let sign = if ticks.offset < 0.0 { '−' } else { '+' };
-            let offset = grouped(ticks.offset.abs() / numbers::power_of_ten(ticks.exponent));
-            let offset = font::shortened(&format!("{sign} {offset}"), room, sizes.text, Weight::Regular);
-            self.text(Text::new(offset, vec2(0.0, baseline), sizes.text, spec.theme.soft_ink()));
+            let offset = offset_text(ticks);
+            lines.push([String::new(), font::shortened(&offset, room, sizes.text, Weight::Regular)]);
+        }
+        let mut baseline = (font::CAP_HEIGHT * sizes.text).round();
+        for line in &lines {
+            self.title_line(line, vec2(0.0, baseline), 0.0, spec.theme, sizes);
             baseline += sizes.line();
         }
-        let has_text = !lines.is_empty() || !unit.is_empty() || ticks.offset != 0.0;
-        if has_text { baseline - sizes.line() + (font::DESCENT * sizes.text).ceil() } else { y }
+        if lines.is_empty() { 0.0 } else { baseline - sizes.line() + (font::DESCENT * sizes.text).ceil() }
+    }
+
+    /// A line of a title with its unit, from a point of its baseline on.
+    pub(super) fn title_line(&mut self, line: &[String; 2], at: Vec2, angle: f32, theme: Theme, sizes: &Sizes) {
+        let mut title = Text { angle, ..Text::new(&line[0], at, sizes.text, theme.ink()) };
+        title.weight = Weight::SemiBold;
+        let space = if line[0].is_empty() { 0.0 } else { SPACE * sizes.text };
+        let along = (title.width() + space).round();
+        let at = if angle == 0.0 { at + vec2(along, 0.0) } else { at - vec2(0.0, along) };
+        self.text(title);
+        self.text(Text { angle, ..Text::new(&line[1], at, sizes.text, theme.soft_ink()) });
     }
 
     /// The colours with their frame and isolines.
@@ -376,11 +378,11 @@ impl Block {
             };
             self.items.push(Item::Line { from, to, width, color: line.color });
         }
-        self.frame(bar, spec, sizes);
+        self.frame(bar, spec.theme, sizes);
     }
 
     /// Squares behind colours that let through.
-    fn checkers(&mut self, rect: Rect, colors: &[LinearRgba], sizes: &Sizes) {
+    pub(super) fn checkers(&mut self, rect: Rect, colors: &[LinearRgba], sizes: &Sizes) {
         if colors.iter().all(|c| c[3] >= 1.0) {
             return;
         }
@@ -391,8 +393,8 @@ impl Block {
         self.items.push(Item::Block { rect, n_columns, colors });
     }
 
-    fn frame(&mut self, rect: Rect, spec: &LegendSpec, sizes: &Sizes) {
-        self.items.push(Item::Frame { rect, width: sizes.hairline, color: spec.theme.ink() });
+    pub(super) fn frame(&mut self, rect: Rect, theme: Theme, sizes: &Sizes) {
+        self.items.push(Item::Frame { rect, width: sizes.hairline, color: theme.ink() });
         self.grow(rect.grown(sizes.hairline));
     }
 
@@ -445,26 +447,25 @@ impl Block {
     }
 
     /// A framed colour with a remark on its right.
-    fn swatch(&mut self, rect: Rect, color: LinearRgba, label: &str, spec: &LegendSpec, sizes: &Sizes) {
+    pub(super) fn swatch(&mut self, rect: Rect, color: LinearRgba, label: &str, theme: Theme, sizes: &Sizes) {
         self.checkers(rect, &[color], sizes);
         self.items.push(Item::Rect { rect, color });
-        self.frame(rect, spec, sizes);
-        let x =
-            rect.max.x + sizes.hairline + sizes.tick + if spec.position == Position::Bottom { 0.0 } else { sizes.gap };
+        self.frame(rect, theme, sizes);
+        let x = rect.max.x + sizes.hairline + sizes.tick + sizes.gap;
         let at = vec2(x, 0.5 * (rect.min.y + rect.max.y));
-        let mut text = Text::new(label, at, sizes.text, spec.theme.soft_ink());
+        let mut text = Text::new(label, at, sizes.text, theme.soft_ink());
         text.is_centered = true;
         self.text(text);
     }
 
-    fn text(&mut self, text: Text) {
+    pub(super) fn text(&mut self, text: Text) {
         if !text.content.is_empty() {
             self.grow(text.bounds());
             self.items.push(Item::Text(text));
         }
     }
 
-    fn grow(&mut self, rect: Rect) {
+    pub(super) fn grow(&mut self, rect: Rect) {
         self.bounds = self.bounds.union(&rect);
     }
 }
@@ -476,18 +477,44 @@ fn tick_rows(place: f32, width: f32) -> (f32, f32) {
 }
 
 /// What stands beside the swatch for values that are off one end.
-fn beyond(spec: &LegendSpec, is_last: bool) -> Option<String> {
+fn beyond(spec: &LegendSpec, is_last: bool) -> String {
     let value = spec.range[usize::from(is_last)];
     let is_greater = is_last == (spec.range[0] <= spec.range[1]);
-    Some(format!("{} {}", if is_greater { '>' } else { '<' }, numbers::single(value, 4, spec.notation)))
+    format!("{} {}", if is_greater { '>' } else { '<' }, numbers::single(value, 4, spec.notation))
 }
 
-fn no_value(spec: &LegendSpec) -> String {
-    match spec.missing_share * 100.0 {
+pub(super) fn no_value(share: f64) -> String {
+    match share * 100.0 {
         p if p.is_nan() || p <= 0.0 => "no value".to_owned(),
         p if p < 0.1 => "no value < 0.1 %".to_owned(),
         p => format!("no value {} %", numbers::single(p, if p < 10.0 { 2 } else { 3 }, Notation::Plain)),
     }
+}
+
+/// Between a title and its unit, in text sizes.
+const SPACE: f32 = 0.35;
+
+/// A title in lines, each with what of the unit stands behind it: the unit follows on the last line if it has room there.
+pub(super) fn title_lines(title: &str, unit: &str, [room, n_lines]: [f32; 2], size: f32) -> Vec<[String; 2]> {
+    let unit = if unit.is_empty() || unit.starts_with('×') { unit.to_owned() } else { format!("[{unit}]") };
+    let unit = font::shortened(&unit, room, size, Weight::Regular);
+    let unit_width = font::width(&unit, size, Weight::Regular);
+    let mut lines: Vec<[String; 2]> =
+        wrapped(title, room, size, n_lines as usize).into_iter().map(|l| [l, String::new()]).collect();
+    match lines.last_mut() {
+        _ if unit.is_empty() => {}
+        Some([line, end]) if font::width(line, size, Weight::SemiBold) + SPACE * size + unit_width <= room => {
+            *end = unit
+        }
+        _ => lines.push([String::new(), unit]),
+    }
+    lines
+}
+
+/// "+ 1 000 000", in the unit that labels have.
+pub(super) fn offset_text(ticks: &Ticks) -> String {
+    let sign = if ticks.offset < 0.0 { '−' } else { '+' };
+    format!("{sign} {}", grouped(ticks.offset.abs() / numbers::power_of_ten(ticks.exponent)))
 }
 
 /// A large number in groups of three figures.
@@ -554,3 +581,7 @@ impl Item {
         self
     }
 }
+
+#[cfg(test)]
+#[path = "legend_tests.rs"]
+mod tests;

@@ -6,6 +6,7 @@ pub mod ambient;
 pub mod backdrop;
 pub mod background;
 pub mod baseline;
+pub mod contour;
 mod coverage;
 pub mod develop;
 pub mod drawing;
@@ -21,6 +22,7 @@ pub mod render;
 pub mod shade;
 pub mod surroundings;
 mod svg;
+pub mod swatch;
 pub mod ticks;
 
 pub use ambient::Ambient;

@@ -285,12 +285,11 @@ impl Axis {
 
     /// Round values placed on the curve; some are left out where they crowd.
     fn linear_on_curve(&self) -> Ticks {
-        let even =
-            Self { scale: LegendScale::Linear, room: Room { length: self.room.length * 2.0, ..self.room }, ..*self };
+        let even = Self { scale: LegendScale::Linear, ..*self };
         let mut values: Vec<f64> = even.linear().major.iter().map(|t| t.value).collect();
         // What rounding lets in evenly may be far out on the curve.
         values.retain(|v| (-1e-6..=1.000_001).contains(&self.scale.position(*v, self.range)));
-        while values.len() > 2 {
+        while values.len() >= 2 {
             let ticks = labelled(self.scale, self.range, &values, (values[1] - values[0]) * 1e-5, self.notation);
             if self.room.holds(&ticks.major) {
                 return ticks;
@@ -299,15 +298,13 @@ impl Axis {
             let odd = values.iter().position(|v| *v == 0.0).unwrap_or(0) % 2;
             values = values.into_iter().enumerate().filter(|(i, _)| i % 2 == odd).map(|(_, v)| v).collect();
         }
-        let mut ticks = singly(self.scale, self.range, &values, 6, self.notation);
-        if !self.room.holds(&ticks.major) {
-            ticks.major.truncate(1);
-        }
-        ticks
+        let one = values.first().copied().unwrap_or(self.range[0]);
+        singly(self.scale, self.range, &[one], 6, self.notation)
     }
 
     /// Powers of ten and their small multiples: as numbers where all are handy, else as powers.
-    fn powers(&self, values: Vec<f64>) -> Ticks {
+    fn powers(&self, mut values: Vec<f64>) -> Ticks {
+        values.sort_by(f64::total_cmp);
         let are_handy = values.iter().all(|v| *v == 0.0 || (v.abs() > 0.99e-3 && v.abs() < 1.01e4));
         if self.notation == Notation::Si || self.notation == Notation::Engineering || are_handy {
             return singly(self.scale, self.range, &values, 1, self.notation);
