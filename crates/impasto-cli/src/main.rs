@@ -6,6 +6,7 @@ mod completions;
 mod gallery;
 mod gallery_page;
 mod info;
+mod inputs;
 mod options;
 mod probe;
 mod render;
@@ -62,8 +63,9 @@ fn main() {
         if error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe) {
             return;
         }
-        let text = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
-        eprintln!("impasto: {text}");
+        if !error.is::<report::Told>() {
+            report::failed(&error);
+        }
         std::process::exit(1);
     }
 }

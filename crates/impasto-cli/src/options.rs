@@ -29,8 +29,8 @@ fn layer(text: &str) -> Result<LayerRecipe, String> {
 pub(crate) struct Look {
     /// A mesh (obj, ply, stl, off, gltf, glb, vtk, vtp, vtu, gii, three.js json), a height map (asc, dem, npy, npz, 16-bit
     /// png or tif), each also as .gz, or sample:NAME.
-    #[arg(value_name = "FILE")]
-    file: String,
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<String>,
 
     /// three-quarter, front, back, left, right, top, bottom; AZIMUTH,ELEVATION in degrees; atlas (the surface laid flat);
     /// or a camera of the file, by name or number.
@@ -99,41 +99,45 @@ pub(crate) struct Look {
     /// A picture of a lit ball that gives colour and light at once.
     #[arg(long, value_name = "IMAGE", help_heading = "Surface")]
     matcap: Option<String>,
-    /// Colours for the values of a field: NAME, NAME.x, NAME.mag, NAME@faces; `impasto info FILE` names them.
-    #[arg(long, value_name = "FIELD", help_heading = "Data")]
-    color_by: Option<String>,
+    /// Colours for the values of a field: NAME, NAME.x, NAME.mag, NAME@faces; `impasto info FILE` names them. Or of a file of
+    /// values on a 3-D grid (cube, dx, mrc, nrrd), read at every pixel's surface point.
+    #[arg(long, value_name = "FIELD", group = "coloring", help_heading = "Data")]
+    pub(crate) color_by: Option<String>,
+    /// Read grids this far outside of the surface, model units.
+    #[arg(long, value_name = "DISTANCE", allow_hyphen_values = true, help_heading = "Data")]
+    grid_offset: Option<f64>,
     /// The colour table: viridis, batlow, vik, cividis and more (docs/tables.md), _r behind it turns it round; or a file.
-    #[arg(long, value_name = "NAME", requires = "color_by", help_heading = "Data")]
+    #[arg(long, value_name = "NAME", requires = "coloring", help_heading = "Data")]
     table: Option<String>,
     /// The values at the table's ends, LEAST,GREATEST, or percentiles like 2%,98%; absent: the field's own.
-    #[arg(long, value_name = "RANGE", allow_hyphen_values = true, requires = "color_by", help_heading = "Data")]
+    #[arg(long, value_name = "RANGE", allow_hyphen_values = true, requires = "coloring", help_heading = "Data")]
     range: Option<String>,
     /// Widen the range so that this value is in its middle.
-    #[arg(long, value_name = "VALUE", allow_hyphen_values = true, requires = "color_by", help_heading = "Data")]
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true, requires = "coloring", help_heading = "Data")]
     center: Option<f64>,
     /// linear, log or symlog.
-    #[arg(long, value_name = "SCALE", requires = "color_by", help_heading = "Data")]
+    #[arg(long, value_name = "SCALE", requires = "coloring", help_heading = "Data")]
     scale: Option<String>,
     /// As many colours, each over an equal part of the scale.
-    #[arg(long, value_name = "N", requires = "color_by", help_heading = "Data")]
+    #[arg(long, value_name = "N", requires = "coloring", help_heading = "Data")]
     bands: Option<u32>,
     /// The table from its end.
-    #[arg(long, requires = "color_by", help_heading = "Data")]
+    #[arg(long, requires = "coloring", help_heading = "Data")]
     reverse: bool,
     /// Colours of values below the range, above it, and of missing values.
-    #[arg(long, value_name = "BELOW,ABOVE,MISSING", requires = "color_by", help_heading = "Data")]
+    #[arg(long, value_name = "BELOW,ABOVE,MISSING", requires = "coloring", help_heading = "Data")]
     outside: Option<String>,
     /// Leave the whole triangle out where a corner's value is missing.
-    #[arg(long, requires = "color_by", help_heading = "Data")]
+    #[arg(long, requires = "coloring", help_heading = "Data")]
     missing_fan: bool,
     /// Colours looked up at the vertices and interpolated, as Gouraud had it: for comparison.
-    #[arg(long, requires = "color_by", help_heading = "Data")]
+    #[arg(long, requires = "coloring", help_heading = "Data")]
     gouraud: bool,
     /// What the legend calls the values.
-    #[arg(long, value_name = "TEXT", requires = "color_by", help_heading = "Data")]
+    #[arg(long, value_name = "TEXT", requires = "coloring", help_heading = "Data")]
     label: Option<String>,
     /// Their unit.
-    #[arg(long, value_name = "TEXT", requires = "color_by", help_heading = "Data")]
+    #[arg(long, value_name = "TEXT", requires = "coloring", help_heading = "Data")]
     unit: Option<String>,
     /// Lines of equal value: the step between them, several values with commas, or auto.
     #[arg(long, value_name = "STEP|V1,V2,...", allow_hyphen_values = true, help_heading = "Data")]
@@ -205,13 +209,21 @@ pub(crate) struct Look {
 }
 
 impl Look {
-    /// The same as a recipe.
+    /// The same as a recipe, of a command that looks at one thing.
     pub(crate) fn recipe(&self) -> Result<Recipe> {
+        match self.files.as_slice() {
+            [file] => self.recipe_of(file, self.color_by.as_deref()),
+            files => bail!("{} files are too many here: name one", files.len()),
+        }
+    }
+
+    /// The same as a recipe that shows one of the files, coloured by a field.
+    pub(crate) fn recipe_of(&self, file: &str, color_by: Option<&str>) -> Result<Recipe> {
         let mut recipe = Recipe::default();
         let yes = |flag: bool| flag.then_some(true);
 
         let input = &mut recipe.input;
-        input.file = Some(self.file.clone());
+        input.file = Some(file.to_owned());
         input.resolution = self.resolution;
         input.seed = self.seed;
         input.up.clone_from(&self.up);
@@ -261,13 +273,13 @@ impl Look {
         surface.metalness = self.metalness;
         surface.shading = self.shading.clone().filter(|s| s != "safe");
 
-        self.short_forms(&mut recipe)?;
+        self.short_forms(&mut recipe, color_by)?;
         recipe.layers.extend(self.layers.iter().cloned());
         Ok(recipe)
     }
 
     /// Flags that stand for a layer.
-    fn short_forms(&self, recipe: &mut Recipe) -> Result<()> {
+    fn short_forms(&self, recipe: &mut Recipe, color_by: Option<&str>) -> Result<()> {
         let text = |s: &str| Some(s.to_owned());
         if let Some(image) = &self.matcap {
             recipe.surface.shading = text("unlit");
@@ -286,18 +298,16 @@ impl Look {
                 ..LayerRecipe::default()
             });
         }
-        self.data(recipe)
+        self.data(recipe, color_by)
     }
 
     /// Flags that show fields.
-    fn data(&self, recipe: &mut Recipe) -> Result<()> {
+    fn data(&self, recipe: &mut Recipe, color_by: Option<&str>) -> Result<()> {
         let text = |s: &str| Some(s.to_owned());
         let yes = |flag: bool| flag.then_some(true);
-        let is_safe = self.color_by.is_some()
-            && self.shading.as_deref().is_none_or(|s| s == "safe")
-            && !self.unlit
-            && !self.gouraud;
-        if let Some(field) = &self.color_by {
+        let is_safe =
+            color_by.is_some() && self.shading.as_deref().is_none_or(|s| s == "safe") && !self.unlit && !self.gouraud;
+        if let Some(field) = color_by {
             if is_safe {
                 recipe.surface.shading = text("unlit");
             } else {
@@ -313,7 +323,7 @@ impl Look {
             let mut outside = self.outside.iter().flat_map(|o| o.split(',')).map(|c| text(c).filter(|c| !c.is_empty()));
             recipe.layers.push(LayerRecipe {
                 table: self.table.clone().or(text("viridis")),
-                field: Some(field.clone()),
+                field: text(field),
                 range,
                 percentiles,
                 center: self.center,
@@ -337,7 +347,7 @@ impl Look {
             recipe.layers.push(LayerRecipe { color: self.filter_color.clone(), shades: yes(is_safe), ..kept(test)? });
         }
         if let Some(given) = &self.isolines {
-            let field = self.isolines_of.clone().or_else(|| self.color_by.clone());
+            let field = self.isolines_of.clone().or_else(|| color_by.map(str::to_owned));
             let field = field.context("isolines of what? --isolines-of FIELD says so")?;
             let numbers: Vec<f64> = match given.as_str() {
                 "auto" => Vec::new(),
@@ -369,9 +379,21 @@ impl Look {
                 ..LayerRecipe::default()
             });
         }
+        for layer in recipe.layers.iter_mut().filter(|l| l.is_data()) {
+            if let Some(file) = layer.field.take_if(|f| is_grid(f)) {
+                (layer.grid, layer.grid_offset) = (Some(file), self.grid_offset);
+            }
+        }
         recipe.legend.place.clone_from(&self.legend);
         Ok(())
     }
+}
+
+/// Whether a name is that of a file of values on a grid.
+fn is_grid(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    let bare = name.strip_suffix(".gz").unwrap_or(&name);
+    ["cube", "dx", "mrc", "map", "ccp4", "nrrd"].iter().any(|kind| bare.ends_with(&format!(".{kind}")))
 }
 
 /// Two numbers between signs.

@@ -23,6 +23,24 @@ pub(crate) fn out_bytes(bytes: &[u8]) -> Result<()> {
     Ok(stdout.flush()?)
 }
 
+/// Errors that were told already, each in its line.
+#[derive(Debug)]
+pub(crate) struct Told;
+
+impl std::fmt::Display for Told {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("see above")
+    }
+}
+
+impl std::error::Error for Told {}
+
+/// Says in one line what went wrong, the cause last.
+pub(crate) fn failed(error: &anyhow::Error) {
+    let text = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
+    eprintln!("impasto: {text}");
+}
+
 /// Says in one line what had to be mended.
 pub(crate) fn mended(mended: &[Mended]) {
     if !mended.is_empty() {

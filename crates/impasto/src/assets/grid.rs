@@ -149,6 +149,16 @@ impl Grid {
         cell.sum(|corner| self.values[self.offset(corner)])
     }
 
+    /// The value at a place, and how fast it changes there per model unit: the slope of the values in between, which jumps
+    /// from cell to cell. Missing as [`sample`](Self::sample) is, without a slope; where only the slope is missing it is 0.
+    #[inline(always)]
+    pub fn sample_with_slope(&self, p: Vec3) -> (f32, Vec3) {
+        let Some(cell) = self.cell_at(p) else { return (f32::NAN, Vec3::ZERO) };
+        let value = cell.sum(|corner| self.values[self.offset(corner)]);
+        let slope = self.world_slope([0, 1, 2].map(|axis| cell.slope(axis, |corner| self.values[self.offset(corner)])));
+        (value, if slope.is_finite() && !value.is_nan() { slope } else { Vec3::ZERO })
+    }
+
     /// [`sample`](Self::sample) at many places, coordinates in lanes; all slices have one length.
     #[inline(always)]
     pub fn sample_lanes(&self, p: [&[f32]; 3], out: &mut [f32]) {
@@ -221,12 +231,18 @@ impl Grid {
 
     /// The values at the vertices of a surface, as a field with the grid's name and unit; NaN outside of the grid.
     pub fn at_vertices(&self, mesh: &Mesh) -> Field {
+        self.off_vertices(mesh, 0.0)
+    }
+
+    /// The same a distance outside of the surface, along its normals.
+    pub fn off_vertices(&self, mesh: &Mesh, distance: f32) -> Field {
+        let places = mesh.positions().iter().zip(mesh.normals()).map(|(p, n)| *p + *n * distance);
         Field {
             name: self.name.clone(),
             unit: self.unit.clone(),
             element: Element::Vertex,
             n_components: 1,
-            values: Values::F32(mesh.positions().iter().map(|p| self.sample(*p)).collect()),
+            values: Values::F32(places.map(|p| self.sample(p)).collect()),
         }
     }
 
@@ -275,6 +291,21 @@ struct Cell {
 }
 
 impl Cell {
+    /// How fast the weighted sum changes from one point to the next along an axis; 0 where there is but one.
+    #[inline(always)]
+    fn slope(&self, axis: usize, value: impl Fn([usize; 3]) -> f32) -> f32 {
+        let (low, high, _) = self.axes[axis];
+        if low == high {
+            return 0.0;
+        }
+        let at = |index: usize| {
+            let mut flat = Self { axes: self.axes };
+            flat.axes[axis] = (index, index, 0.0);
+            flat.sum(&value)
+        };
+        at(high) - at(low)
+    }
+
     /// The weighted sum over the corners, in a fixed order. Corners without weight do not matter, whatever they hold.
     #[inline(always)]
     fn sum(&self, value: impl Fn([usize; 3]) -> f32) -> f32 {

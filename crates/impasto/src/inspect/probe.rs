@@ -197,7 +197,8 @@ fn texels(look: &Look, domain: &Domain, shot: &Shot, surfels: &Surfels) -> Vec<T
 /// A field's numbers at a point of a triangle, missing where the nearest corner's are.
 pub(super) fn field_at(field: &Field, mesh: &Mesh, triangle: u32, [b1, b2]: [f32; 2]) -> Vec<f64> {
     let n = field.n_components;
-    let value = |element: usize, c: usize| field.values.at(element * n + c);
+    let value =
+        |element: usize, c: usize| Some(field.values.at(element * n + c)).filter(|x| x.is_finite()).unwrap_or(f64::NAN);
     let mix = |at: [usize; 3], c: usize| mixed(at.map(|e| value(e, c)), [b1 as f64, b2 as f64], Missing::Nearest)[0];
     let t = triangle as usize;
     (0..n)

@@ -9,7 +9,7 @@ use crate::assets::{Element, Field, Mesh};
 use crate::math::{BATCH, Lane, Mat3, Mat4, Vec3};
 use crate::placement::number::{Dual, Number, Vector, affine, stretched};
 use crate::placement::rules::{Local, Point, Rule, Visitor, box_side, resolve, rows};
-use crate::placement::{FieldAxis, Missing, Needs, Placement, Projector, Surfels, TexCoords, Viewpoint};
+use crate::placement::{FieldAxis, GridAxis, Missing, Needs, Placement, Projector, Surfels, TexCoords, Viewpoint};
 
 /// Beyond this many texture widths f32 has no texel left; keeps infinities away from the samplers.
 const FARTHEST: f32 = (1 << 30) as f32;
@@ -33,6 +33,12 @@ pub fn place(
         Placement::FieldInLight { axis, toward } => {
             read_fields(&[Some(*axis), None, None], mesh, surfels, out);
             read_light(*toward, view, surfels, out);
+        }
+        Placement::Grid { axis, toward } => {
+            read_grid(axis, mesh, surfels, out);
+            if let Some(toward) = toward {
+                read_light(*toward, view, surfels, out);
+            }
         }
         _ => {
             let visitor = Fill { needs: placement.needs(), mesh, surfels, out };
@@ -282,6 +288,29 @@ fn read_fields(axes: &[Option<FieldAxis>; 3], mesh: &Mesh, surfels: &Surfels, ou
     }
 }
 
+/// The grid at each cell's point, with the slope of its values along the way to the next cell.
+fn read_grid(axis: &GridAxis, mesh: &Mesh, surfels: &Surfels, out: &mut TexCoords) {
+    let mut motion = Motion::STILL;
+    let is_off = axis.distance != 0.0;
+    motion.gather(Needs { position: true, normal: is_off, ..Needs::default() }, mesh, surfels);
+    for i in 0..surfels.n.min(BATCH) {
+        let mut place = motion.position_at(surfels, i);
+        if is_off {
+            let normal = motion.normal_at(surfels, i);
+            place = [0, 1, 2].map(|k: usize| place[k] + normal[k].times(axis.distance));
+        }
+        let [x, y, z] = place;
+        let (value, slope) = axis.grid.sample_with_slope(Vec3::new(x.value, y.value, z.value));
+        let change = |dx: f32, dy: f32, dz: f32| {
+            let change = dx as f64 * slope.x as f64 + dy as f64 * slope.y as f64 + dz as f64 * slope.z as f64;
+            (change * axis.scale) as f32
+        };
+        let value = (value as f64 * axis.scale + axis.offset) as f32;
+        let s = Dual { value, dx: change(x.dx, y.dx, z.dx), dy: change(x.dy, y.dy, z.dy) };
+        store_missing(out, i, [s, Dual::constant(0.5), Dual::constant(0.5)]);
+    }
+}
+
 /// The field at one cell; in f64 until scale and offset have brought it near [0, 1].
 fn field_at(axis: &FieldAxis, field: &Field, mesh: &Mesh, surfels: &Surfels, i: usize) -> Dual {
     let triangle = surfels.triangle[i] as usize;
@@ -292,7 +321,8 @@ fn field_at(axis: &FieldAxis, field: &Field, mesh: &Mesh, surfels: &Surfels, i: 
             Some(_) => f64::NAN,
             None => (0..field.n_components).fold(0.0, |sum, k| sum + number(k) * number(k)).sqrt(),
         };
-        x * axis.scale + axis.offset
+        // Nothing can be told of what lies between a number and infinity: it counts as missing.
+        if x.is_finite() { x * axis.scale + axis.offset } else { f64::NAN }
     };
     let corners = match field.element {
         Element::Face => return Dual::constant(value(triangle) as f32),

@@ -21,7 +21,7 @@ pub mod unwrap;
 
 pub use evaluate::{mixed, place, place_per_vertex, triplanar};
 pub use footprint::Footprint;
-pub use source::{Direction, FieldAxis, Missing, Placement, PositionUnit, Projector, Space, as_uv, needs};
+pub use source::{Direction, FieldAxis, GridAxis, Missing, Placement, PositionUnit, Projector, Space, as_uv, needs};
 pub use stretch::{Stretch, stretch};
 pub use surfels::{Needs, Surfels, TexCoords, Viewpoint};
 pub use tangents::{CornerTangents, tangents, with_tangents};

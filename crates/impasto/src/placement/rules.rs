@@ -49,7 +49,9 @@ pub(super) fn resolve<V: Visitor>(
     let sight = Sight::of(view);
     let local = |projector: &Option<Projector>| Local::of(&projector.unwrap_or(Projector::around(&mesh.bounds())));
     Some(match placement {
-        Placement::Uv(_) | Placement::Field { .. } | Placement::FieldInLight { .. } => return None,
+        Placement::Uv(_) | Placement::Field { .. } | Placement::FieldInLight { .. } | Placement::Grid { .. } => {
+            return None;
+        }
         Placement::ObjectLinear { planes, world_from_object } => {
             visitor.visit(&Linear { planes: planes_in_world(planes, world_from_object.as_ref()) })
         }

@@ -4,9 +4,10 @@
 //! Graphics System", version 1.3, 2.10.4) and the usual projections; the two-part mappings are in [`super::two_part`].
 //! Pictures stand upright: t runs down, as in every image, so where OpenGL adds a height we subtract it.
 
-use crate::assets::Mesh;
+use crate::assets::{Grid, Mesh};
 use crate::math::{Bounds, Mat4, Vec3, Vec4, unit_or};
 use crate::placement::{Needs, two_part::TwoPart};
+use std::sync::Arc;
 
 /// Where on the texture a surface point is. [`super::place`] evaluates it.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,6 +97,13 @@ pub enum Placement {
         /// Towards the light, a unit vector in eye space.
         toward: Vec3,
     },
+    /// Values on a 3-D grid, read at every point anew: as s, and as t the light of `FieldInLight`. Missing values give NaN.
+    Grid {
+        /// The values.
+        axis: GridAxis,
+        /// Towards the light, a unit vector in eye space; none: t is 1/2.
+        toward: Option<Vec3>,
+    },
     /// The place itself, for 3-D textures.
     Position {
         /// Measured how.
@@ -148,6 +156,27 @@ pub struct FieldAxis {
     pub offset: f64,
     /// What a missing value does to its triangles.
     pub missing: Missing,
+}
+
+/// The number of a grid at the surface, or outside of it, as a coordinate: `value * scale + offset`.
+#[derive(Clone, Debug)]
+pub struct GridAxis {
+    /// In the mesh's space.
+    pub grid: Arc<Grid>,
+    /// Texture widths a unit.
+    pub scale: f64,
+    /// Where the value 0 falls.
+    pub offset: f64,
+    /// How far outside of the surface it is read, along the normal; model units.
+    pub distance: f32,
+}
+
+impl PartialEq for GridAxis {
+    /// Two grids are the same when they are one.
+    fn eq(&self, other: &Self) -> bool {
+        let numbers = |a: &Self| (a.scale, a.offset, a.distance);
+        Arc::ptr_eq(&self.grid, &other.grid) && numbers(self) == numbers(other)
+    }
 }
 
 /// What a missing value does to the triangles that share it.
@@ -216,6 +245,10 @@ impl Placement {
             Self::Uv(set) => Needs { uv_sets: 1u32.checked_shl(*set as u32).unwrap_or(0), ..Needs::default() },
             Self::Field { .. } => none,
             Self::FieldInLight { .. } => Needs { normal: true, view: true, ..none },
+            Self::Grid { axis, toward } => {
+                let (is_off, is_lit) = (axis.distance != 0.0, toward.is_some());
+                Needs { position: true, normal: is_off || is_lit, view: is_lit, ..none }
+            }
             _ => Needs { position: self.reads_position(), normal: self.reads_normal(), ..none },
         }
     }
@@ -236,6 +269,7 @@ impl Placement {
             Self::Equirectangular { direction, space } => *direction == Direction::Reflection || *space == Space::Eye,
             Self::TwoPart(two_part) => two_part.depends_on_view(),
             Self::FieldInLight { .. } => true,
+            Self::Grid { toward, .. } => toward.is_some(),
             _ => false,
         }
     }

@@ -1,22 +1,72 @@
 //! Data layers of a recipe: colour tables, isolines and filters over fields, with ranges found where none are given.
 
-use crate::assets::{Element, Field, Filter as Interpolation, Mesh};
+use crate::assets::{Element, Field, Filter as Interpolation, Grid, Scene, files};
 use crate::color::LinearRgba;
 use crate::error::{Error, Mended, Result, note};
 use crate::lookup::{ColorTable, Filter, Isolines, Keep, Levels, Line, Scale, Shades, Target, Texture};
 use crate::math::{Vec3, vec3};
-use crate::placement::{FieldAxis, Missing, Placement};
+use crate::placement::{FieldAxis, GridAxis, Missing, Placement};
 use crate::recipe::layer::{LayerRecipe, Numbers};
-use crate::recipe::source;
+use crate::recipe::source::{self, place};
 use crate::recipe::stack::{FILTERS, Ground};
 use crate::recipe::words::{choose_or, color, impossible};
+use std::path::Path;
+use std::sync::Arc;
 
-/// One property of the surface: a field, or one component of it.
+/// One property of the surface: a field, or one component of it, or a grid.
 #[derive(Clone, Copy)]
 struct Property<'a> {
     index: usize,
+    /// Of grids: the values at the vertices.
     field: &'a Field,
     component: Option<usize>,
+    grid: Option<&'a Sampled>,
+}
+
+/// A grid that a layer shows, read from its file once.
+pub(super) struct Sampled {
+    file: String,
+    distance: f32,
+    grid: Arc<Grid>,
+    at_vertices: Field,
+}
+
+/// The grids that layers name.
+///
+/// # Errors
+/// What the file's reader says; `Parameter` for a distance that cannot be.
+pub(super) fn grids(
+    layers: &[LayerRecipe],
+    base: &Path,
+    scene: &Scene,
+    mended: &mut Vec<Mended>,
+) -> Result<Vec<Sampled>> {
+    let mut found: Vec<Sampled> = Vec::new();
+    for layer in layers {
+        let Some(file) = &layer.grid else { continue };
+        let distance = layer.distance()?;
+        if found.iter().any(|s| s.file == *file && s.distance == distance) {
+            continue;
+        }
+        let grid = match found.iter().find(|s| s.file == *file) {
+            Some(known) => known.grid.clone(),
+            None => {
+                let report = files::load_volume(&place(base, file))?;
+                mended.extend(report.mended);
+                let n_more = report.value.grids.len().saturating_sub(1);
+                note(mended, n_more, format!("further grids of {file:?} not shown"));
+                let first = report.value.grids.into_iter().next();
+                Arc::new(first.ok_or_else(|| impossible("grid", file, "no grid is in the file"))?)
+            }
+        };
+        let mut at_vertices = grid.off_vertices(&scene.mesh, distance);
+        if at_vertices.name.is_empty() {
+            let name = Path::new(file).file_name().map_or("", |n| n.to_str().unwrap_or(""));
+            at_vertices.name = name.split('.').next().unwrap_or(name).into();
+        }
+        found.push(Sampled { file: file.clone(), distance, grid, at_vertices });
+    }
+    Ok(found)
 }
 
 impl LayerRecipe {
@@ -24,12 +74,29 @@ impl LayerRecipe {
     pub fn is_data(&self) -> bool {
         self.table.is_some() || self.isolines.is_some() || self.filter.is_some()
     }
+
+    /// How far outside of the surface a grid is read.
+    fn distance(&self) -> Result<f32> {
+        match self.grid_offset.unwrap_or(0.0) as f32 {
+            d if d.is_finite() => Ok(d),
+            d => Err(impossible("grid_offset", d, "a finite length")),
+        }
+    }
 }
 
 impl<'a> Property<'a> {
     /// What `NAME[.x|.mag|.0][@faces]` stands for.
-    fn of(recipe: &LayerRecipe, mesh: &'a Mesh) -> Result<Self> {
-        let fields = mesh.fields();
+    fn of(recipe: &LayerRecipe, on: &'a Ground) -> Result<Self> {
+        if let Some(file) = &recipe.grid {
+            if recipe.field.is_some() {
+                return Err(impossible("layer", file, "it shows a field or a grid, not both"));
+            }
+            let distance = recipe.distance()?;
+            let grid = on.grids.iter().find(|s| s.file == *file && s.distance == distance);
+            let grid = grid.ok_or_else(|| impossible("grid", file, "it was not read"))?;
+            return Ok(Self { index: 0, field: &grid.at_vertices, component: Some(0), grid: Some(grid) });
+        }
+        let fields = on.scene.mesh.fields();
         let known = || match fields {
             [] => "the surface carries no data".into(),
             _ => format!("the surface carries {}", fields.iter().map(describe).collect::<Vec<_>>().join(", ")),
@@ -67,7 +134,7 @@ impl<'a> Property<'a> {
         if let Some(c) = component.filter(|c| *c >= n) {
             return Err(impossible("component", c, format!("the field has {n}, from 0")));
         }
-        Ok(Self { index, field, component })
+        Ok(Self { index, field, component, grid: None })
     }
 
     /// All its values, in the order of the field's elements.
@@ -80,9 +147,18 @@ impl<'a> Property<'a> {
         })
     }
 
-    /// As a coordinate: `from` falls on 0, `to` on 1.
-    fn axis(self, [from, to]: [f64; 2], missing: Missing) -> FieldAxis {
-        FieldAxis { missing, ..FieldAxis::over(self.index, self.component, from, to) }
+    /// As a coordinate: `from` falls on 0, `to` on 1. Shaded by light from `toward`.
+    fn placement(self, [from, to]: [f64; 2], missing: Missing, toward: Option<Vec3>) -> Placement {
+        let axis = FieldAxis { missing, ..FieldAxis::over(self.index, self.component, from, to) };
+        if let Some(Sampled { grid, distance, .. }) = self.grid {
+            let (scale, offset) = (axis.scale, axis.offset);
+            let axis = GridAxis { grid: grid.clone(), scale, offset, distance: *distance };
+            return Placement::Grid { axis, toward };
+        }
+        match toward {
+            Some(toward) => Placement::FieldInLight { axis, toward },
+            None => Placement::Field { axes: [Some(axis), None, None] },
+        }
     }
 }
 
@@ -163,9 +239,8 @@ struct Plan<'a> {
     notes: Vec<Mended>,
 }
 
-fn plan<'a>(recipe: &LayerRecipe, on: &Ground<'a>) -> Result<Plan<'a>> {
-    let mesh = &on.scene.mesh;
-    let property = Property::of(recipe, mesh)?;
+fn plan<'a>(recipe: &LayerRecipe, on: &'a Ground) -> Result<Plan<'a>> {
+    let property = Property::of(recipe, on)?;
     let missing = choose_or(
         "missing_mode",
         &recipe.missing_mode,
@@ -196,7 +271,8 @@ fn plan<'a>(recipe: &LayerRecipe, on: &Ground<'a>) -> Result<Plan<'a>> {
         return Err(impossible("range", format!("{} to {}", range[0], range[1]), why));
     }
     // Even scales are counted in f64 from the range's first end, so that a small range far from zero keeps its digits.
-    let unit = if scale == Scale::Linear { range } else { [0.0, 1.0] };
+    // Others by the greatest, so that the largest numbers stay within f32's sight.
+    let unit = if scale == Scale::Linear { range } else { [0.0, widest] };
     Ok(Plan { property, scale, range, unit, missing, notes })
 }
 
@@ -248,18 +324,14 @@ fn round_step(x: f64) -> f64 {
 
 /// Where a data layer's coordinate comes from.
 pub(super) fn placement(recipe: &LayerRecipe, on: &Ground) -> Result<Placement> {
-    let mesh = &on.scene.mesh;
     if !recipe.is_data() {
-        let property = Property::of(recipe, mesh)?;
+        let property = Property::of(recipe, on)?;
         let range = range(recipe, property, false, &mut Vec::new())?;
-        return Ok(Placement::Field { axes: [Some(property.axis(range, Missing::Nearest)), None, None] });
+        return Ok(property.placement(range, Missing::Nearest, None));
     }
     let plan = plan(recipe, on)?;
-    let axis = plan.property.axis(plan.unit, plan.missing);
-    Ok(match recipe.shades {
-        Some(true) => Placement::FieldInLight { axis, toward: KEY_LIGHT },
-        _ => Placement::Field { axes: [Some(axis), None, None] },
-    })
+    let toward = (recipe.shades == Some(true)).then_some(KEY_LIGHT);
+    Ok(plan.property.placement(plan.unit, plan.missing, toward))
 }
 
 /// Towards the light of shaded tables, eye space: from the upper left front, as the studio's key light.
@@ -268,9 +340,9 @@ const KEY_LIGHT: Vec3 = vec3(-0.405_579_8, 0.707_106_8, 0.579_227_97);
 /// The range that a recipe gives, or that the values have.
 fn range(recipe: &LayerRecipe, property: Property, is_log: bool, notes: &mut Vec<Mended>) -> Result<[f64; 2]> {
     if let Some(range) = recipe.range {
-        return match range.iter().all(|x| x.is_finite()) {
-            true => Ok(range),
-            false => Err(impossible("range", format!("{range:?}"), "two finite numbers")),
+        return match range {
+            [a, b] if a.is_finite() && b.is_finite() && a != b => Ok(range),
+            _ => Err(impossible("range", format!("{range:?}"), "two finite numbers that differ")),
         };
     }
     let name = &property.field.name;
@@ -315,7 +387,7 @@ pub(super) fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended:
     if recipe.table.is_some() {
         let (key, notes) = key(recipe, on)?;
         mended.extend(notes);
-        return Ok(Texture::Table(key.table));
+        return Ok(Texture::Table(in_unit(key.table, plan(recipe, on)?.unit)));
     }
     let plan = plan(recipe, on)?;
     let per_unit = 1.0 / (plan.unit[1] - plan.unit[0]);
@@ -328,8 +400,17 @@ pub(super) fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended:
         return Err(impossible("softness", softness, "0 or more"));
     }
     let white = [1.0; 4];
+    let keep = [Keep::Above(0.0), Keep::Below(0.0), Keep::Within(0.0, 1.0)][kept];
+    let is_kept = |x: f64| {
+        let (above, below) = (x - plan.unit[0], plan.unit[1] - x);
+        !x.is_finite() || [above, -above, above.min(below)][kept] >= -softness
+    };
+    if !plan.property.values().any(is_kept) {
+        let name = &plan.property.field.name;
+        note(mended, plan.property.values().count(), format!("values of {name:?} do not pass the filter, all of them"));
+    }
     Ok(Texture::Filter(Filter {
-        keep: [Keep::Above(0.0), Keep::Below(0.0), Keep::Within(0.0, 1.0)][kept],
+        keep,
         softness: (softness * per_unit) as f32,
         color: recipe.color.as_deref().map_or(Ok(white), |c| color("filter color", c))?,
         is_lit: recipe.shades == Some(true) && target == Target::Color,
@@ -341,6 +422,18 @@ pub(super) fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended:
 pub(super) fn lines(recipe: &LayerRecipe, on: &Ground) -> Result<(Isolines, [f64; 2])> {
     let plan = plan(recipe, on)?;
     Ok((isolines(recipe, plan.unit)?, plan.unit))
+}
+
+/// A table over values that count in a unit of theirs; that of even scales is [0, 1] already.
+fn in_unit(table: ColorTable, [from, to]: [f64; 2]) -> ColorTable {
+    let share = |x: f32| ((x as f64 - from) / (to - from)) as f32;
+    match table.scale {
+        Scale::Linear => table,
+        Scale::Log => ColorTable { range: table.range.map(share), ..table },
+        Scale::SymLog { linear } => {
+            ColorTable { range: table.range.map(share), scale: Scale::SymLog { linear: share(linear) }, ..table }
+        }
+    }
 }
 
 fn isolines(recipe: &LayerRecipe, [first, second]: [f64; 2]) -> Result<Isolines> {
@@ -394,9 +487,9 @@ pub(super) fn key(recipe: &LayerRecipe, on: &Ground) -> Result<(Key, Vec<Mended>
     let mut counts = [0; 4];
     for x in plan.property.values() {
         counts[0] += 1;
-        counts[1] += x.is_nan() as usize;
-        counts[2] += (x < low) as usize;
-        counts[3] += (x > high) as usize;
+        counts[1] += !x.is_finite() as usize;
+        counts[2] += (x.is_finite() && x < low) as usize;
+        counts[3] += (x.is_finite() && x > high) as usize;
     }
     let field = plan.property.field;
     let component = match plan.property.component {
@@ -407,7 +500,13 @@ pub(super) fn key(recipe: &LayerRecipe, on: &Ground) -> Result<(Key, Vec<Mended>
         _ => String::new(),
     };
     let mut notes = plan.notes;
-    note(&mut notes, counts[1], format!("values of {:?} are missing", field.name));
+    let n_infinite = plan.property.values().filter(|x| x.is_infinite()).count();
+    note(&mut notes, counts[1] - n_infinite, format!("values of {:?} are missing", field.name));
+    note(&mut notes, n_infinite, format!("values of {:?} are infinite, shown as missing", field.name));
+    if plan.scale == Scale::Log {
+        let n_low = plan.property.values().filter(|x| x.is_finite() && *x <= 0.0).count();
+        note(&mut notes, n_low, format!("values of {:?} are 0 or less: they have no logarithm", field.name));
+    }
     let key = Key {
         asked: recipe.field.clone().unwrap_or_default(),
         field: field.name.clone(),
@@ -431,6 +530,7 @@ const MISSING: LinearRgba = [0.40, 0.40, 0.40, 1.0];
 pub(super) fn vertex_colors(recipe: &LayerRecipe, on: &Ground) -> Result<Vec<LinearRgba>> {
     let plan = plan(recipe, on)?;
     let (key, _) = key(recipe, on)?;
+    let table = in_unit(key.table, plan.unit);
     if plan.property.field.element != Element::Vertex {
         return Err(Error::Parameter {
             what: "gouraud".into(),
@@ -439,5 +539,5 @@ pub(super) fn vertex_colors(recipe: &LayerRecipe, on: &Ground) -> Result<Vec<Lin
         });
     }
     let [from, to] = plan.unit;
-    Ok(plan.property.values().map(|x| key.table.color(((x - from) / (to - from)) as f32)).collect())
+    Ok(plan.property.values().map(|x| table.color(((x - from) / (to - from)) as f32)).collect())
 }

@@ -49,6 +49,11 @@ pub struct LayerRecipe {
     /// `nearest`: a missing value leaves the part of its triangles out that is nearest to it; `fan`: all of them.
     pub missing_mode: Option<String>,
 
+    /// In place of a field: a file of values on a 3-D grid (cube, dx, mrc, nrrd), read at every pixel's surface point.
+    pub grid: Option<String>,
+    /// Of `grid`: how far outside of the surface it is read, along the normal, model units.
+    pub grid_offset: Option<f64>,
+
     // Of colour tables.
     /// The values at the table's ends, in either order; absent: those of the table's file, or the field's least and
     /// greatest.

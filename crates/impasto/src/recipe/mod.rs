@@ -20,7 +20,7 @@ pub mod view;
 mod words;
 
 pub use layer::LayerRecipe;
-pub use prepare::{Prepared, prepare};
+pub use prepare::{Prepared, prepare, prepare_scene};
 pub use render::Picture;
 pub use view::View;
 pub use words::color;

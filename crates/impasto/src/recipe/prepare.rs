@@ -61,12 +61,37 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// # Errors
 /// What the files' readers say; `Parameter` for names and numbers that cannot be.
 pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report<Prepared>> {
+    check(recipe)?;
+    prepare_scene(recipe, source::scene(&recipe.input, base)?, base, workers)
+}
+
+/// What can be told to be wrong before anything is loaded.
+fn check(recipe: &Recipe) -> Result<()> {
+    size(recipe)?;
+    samples(recipe)?;
+    view::background(&recipe.picture).map(|_| ())
+}
+
+fn samples(recipe: &Recipe) -> Result<Samples> {
+    let n = recipe.picture.samples.unwrap_or(4);
+    Samples::from_n(n).ok_or_else(|| impossible("samples", n, "1, 4 or 16"))
+}
+
+/// The same for a scene that is loaded already, in place of the one that the recipe names.
+///
+/// # Errors
+/// As those of [`prepare()`].
+pub fn prepare_scene(
+    recipe: &Recipe,
+    scene: Report<Scene>,
+    base: &Path,
+    workers: &Workers,
+) -> Result<Report<Prepared>> {
     let size = size(recipe)?;
-    let samples = recipe.picture.samples.unwrap_or(4);
-    let samples = Samples::from_n(samples).ok_or_else(|| impossible("samples", samples, "1, 4 or 16"))?;
+    let samples = samples(recipe)?;
     let background = view::background(&recipe.picture)?;
 
-    let Report { value: mut scene, mut mended } = source::scene(&recipe.input, base)?;
+    let Report { value: mut scene, mut mended } = scene;
     let mut uv_set = 0;
     if recipe.input.unwrap == Some(true) {
         let mesh = std::mem::take(&mut scene.mesh);
@@ -78,7 +103,8 @@ pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report
     if scene.mesh.triangles().is_empty() {
         return Err(Error::Format { path: recipe.subject().into(), fault: "it has no surface to show".into() });
     }
-    let on = stack::Ground { scene: &scene, base, seed: recipe.input.seed.unwrap_or(1), uv_set };
+    let grids = data::grids(&recipe.layers, base, &scene, &mut mended)?;
+    let on = stack::Ground { scene: &scene, base, seed: recipe.input.seed.unwrap_or(1), uv_set, grids: &grids };
     let mut looks = looks(recipe, &on, &mut mended)?;
     let mut keys = Vec::new();
     for layer in recipe.layers.iter().filter(|l| l.table.is_some()) {

@@ -22,6 +22,8 @@ pub(super) struct Ground<'a> {
     pub(super) seed: u32,
     /// UV set of layers that name none.
     pub(super) uv_set: usize,
+    /// Those that layers name.
+    pub(super) grids: &'a [data::Sampled],
 }
 
 /// A layer and the texture it reads.
