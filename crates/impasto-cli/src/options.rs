@@ -145,6 +145,9 @@ pub(crate) struct Look {
     /// The field whose lines they are; absent: that of --color-by.
     #[arg(long, value_name = "FIELD", requires = "isolines", help_heading = "Data")]
     isolines_of: Option<String>,
+    /// Do not write their values on them.
+    #[arg(long, requires = "isolines", help_heading = "Data")]
+    isolines_bare: bool,
     /// Their width, pixels; major ones are twice as wide.
     #[arg(long, value_name = "PIXELS", requires = "isolines", help_heading = "Data")]
     isolines_width: Option<f32>,
@@ -385,6 +388,7 @@ impl Look {
             }
         }
         recipe.legend.place.clone_from(&self.legend);
+        recipe.legend.line_labels = (self.isolines.is_some() && !self.isolines_bare).then_some(true);
         Ok(())
     }
 }

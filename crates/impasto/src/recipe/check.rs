@@ -6,7 +6,6 @@ use crate::inspect::{self, Values};
 use crate::math::Size;
 use crate::par::Workers;
 use crate::recipe::Prepared;
-use crate::recipe::data::Key;
 use crate::recipe::words::impossible;
 use crate::visibility::Samples;
 
@@ -49,7 +48,9 @@ pub fn check(pixels: &[[u8; 4]], size: Size, prepared: &Prepared, workers: &Work
         let why = format!("its recipe draws {}", prepared.size);
         return Err(impossible("picture", size, why));
     }
-    let truth = values(prepared, key, workers)?;
+    let Some(truth) = values(prepared, (&key.field, key.component), workers) else {
+        return Err(impossible("field", &key.field, "it is not in the picture's file any more"));
+    };
     let labs: Vec<[f64; 3]> = key.table.colors.iter().map(lab).collect();
     let n = labs.len();
     let rows: Vec<Vec<Option<f64>>> = workers.map(size.height as usize, |y| {
@@ -92,20 +93,22 @@ fn lab(c: &LinearRgba) -> [f64; 3] {
     lab_from_linear([c[0] as f64, c[1] as f64, c[2] as f64])
 }
 
-/// The key's value in each pixel, NaN where there is none.
-fn values(prepared: &Prepared, key: &Key, workers: &Workers) -> Result<Vec<f32>> {
+/// A field's value in each pixel, NaN where there is none; nothing when the surface has no such field.
+pub(super) fn values(
+    prepared: &Prepared,
+    (field, component): (&str, Option<usize>),
+    workers: &Workers,
+) -> Option<Vec<f32>> {
     let (domain, shot) = (prepared.domain(), prepared.shot(Samples::One));
     let buffer = inspect::probe::buffer(&domain, &shot, workers);
-    let name = format!("field.{}", key.field);
+    let name = format!("field.{field}");
     let quantities = inspect::quantities(&buffer, &domain, &shot, workers);
-    let Some(quantity) = quantities.iter().find(|q| q.name == name) else {
-        return Err(impossible("field", &key.field, "it is not in the picture's file any more"));
-    };
-    let Values::F32(numbers) = &quantity.values else { return Ok(vec![f32::NAN; prepared.size.n_cells()]) };
+    let quantity = quantities.iter().find(|q| q.name == name)?;
+    let Values::F32(numbers) = &quantity.values else { return None };
     let n = quantity.components.len().max(1);
-    let of = |v: &[f32]| match key.component {
+    let of = |v: &[f32]| match component {
         Some(c) => v.get(c).copied().unwrap_or(f32::NAN),
         None => v.iter().map(|x| x * x).sum::<f32>().sqrt(),
     };
-    Ok(numbers.chunks_exact(n).map(of).collect())
+    Some(numbers.chunks_exact(n).map(of).collect())
 }

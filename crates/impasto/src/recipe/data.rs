@@ -390,10 +390,14 @@ pub(super) fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended:
         return Ok(Texture::Table(in_unit(key.table, plan(recipe, on)?.unit)));
     }
     let plan = plan(recipe, on)?;
-    let per_unit = 1.0 / (plan.unit[1] - plan.unit[0]);
     if recipe.isolines.is_some() {
         return Ok(Texture::Isolines(isolines(recipe, plan.unit)?));
     }
+    Ok(Texture::Filter(filter(recipe, &plan, target, mended)?))
+}
+
+fn filter(recipe: &LayerRecipe, plan: &Plan, target: Target, mended: &mut Vec<Mended>) -> Result<Filter> {
+    let per_unit = 1.0 / (plan.unit[1] - plan.unit[0]);
     let kept = choose_or("filter", &recipe.filter, &[("above", 0), ("below", 1), ("within", 2)], 0)?;
     let softness = recipe.softness.unwrap_or(0.0);
     if !(softness >= 0.0 && softness.is_finite()) {
@@ -409,13 +413,34 @@ pub(super) fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended:
         let name = &plan.property.field.name;
         note(mended, plan.property.values().count(), format!("values of {name:?} do not pass the filter, all of them"));
     }
-    Ok(Texture::Filter(Filter {
+    Ok(Filter {
         keep,
         softness: (softness * per_unit) as f32,
         color: recipe.color.as_deref().map_or(Ok(white), |c| color("filter color", c))?,
         is_lit: recipe.shades == Some(true) && target == Target::Color,
         is_number: target != Target::Color,
-    }))
+    })
+}
+
+/// A filter layer: what it does, which values 0 and 1 of its coordinate stand for, its field's range, name and unit.
+pub(super) fn filter_of(recipe: &LayerRecipe, on: &Ground) -> Result<(Filter, [f64; 2], [f64; 2], String, String)> {
+    let plan = plan(recipe, on)?;
+    let range = range(&LayerRecipe::default(), plan.property, false, &mut Vec::new())?;
+    let field = plan.property.field;
+    Ok((
+        filter(recipe, &plan, Target::Color, &mut Vec::new())?,
+        plan.unit,
+        range,
+        field.name.clone(),
+        field.unit.clone(),
+    ))
+}
+
+/// The field that a layer shows, which of its components, and its range.
+pub(super) fn property_of(recipe: &LayerRecipe, on: &Ground) -> Result<(String, Option<usize>, [f64; 2])> {
+    let property = Property::of(recipe, on)?;
+    let range = range(&LayerRecipe::default(), property, false, &mut Vec::new())?;
+    Ok((property.field.name.clone(), property.component, range))
 }
 
 /// An isoline layer's lines, and the values that 0 and 1 of their coordinate stand for.

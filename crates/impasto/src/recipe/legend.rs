@@ -1,16 +1,38 @@
 //! A picture's legend, from what its layers show.
 
-use crate::color::LinearRgb;
+use crate::color::{LinearRgb, LinearRgba};
 use crate::error::Result;
 use crate::lookup::{Levels, Scale};
 use crate::math::Size;
 use crate::picture::Background;
-use crate::picture::legend::{LegendLayout, LegendLine, LegendScale, LegendSpec, Theme, layout};
+use crate::picture::Drawing;
+use crate::picture::legend::{LegendLayout, LegendLine, LegendScale, LegendSpec, Theme, layout, legend_alone};
 use crate::picture::numbers::Notation;
+use crate::picture::swatch::{AxisSpec, SwatchSpec, swatch_alone, swatch_layout};
 use crate::recipe::data::{self, Key};
+use crate::recipe::layer::LayerRecipe;
 use crate::recipe::stack::Ground;
 use crate::recipe::words::choose_or;
 use crate::recipe::{LegendRecipe, Recipe};
+
+/// What a legend tells: of one property, or of one that another filters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Legend {
+    /// A bar.
+    Bar(LegendSpec),
+    /// A square.
+    Swatch(SwatchSpec),
+}
+
+impl Legend {
+    /// On a sheet of its own, as large as a picture of this size has it.
+    pub fn alone(&self, picture: Size) -> Drawing {
+        match self {
+            Self::Bar(spec) => legend_alone(spec, picture),
+            Self::Swatch(spec) => swatch_alone(spec, picture),
+        }
+    }
+}
 
 /// More lines than this on a bar are no help.
 const MOST_LINES: usize = 40;
@@ -22,7 +44,7 @@ pub(super) fn legend(
     on: &Ground,
     size: Size,
     background: Background,
-) -> Result<Option<(LegendSpec, LegendLayout)>> {
+) -> Result<Option<(Legend, LegendLayout)>> {
     let is_wanted = choose_or("legend", &recipe.legend.place, &[("right", true), ("none", false)], true)?;
     let (true, Some(key)) = (is_wanted, keys.first()) else { return Ok(None) };
     let mut spec = spec(&recipe.legend, key, background)?;
@@ -37,10 +59,81 @@ pub(super) fn legend(
             spec.lines.push(LegendLine { value: value(level), is_major, color: isolines.minor.color });
         }
     }
-    let layout = layout(&spec, size);
+    let of_two = recipe.layers.iter().find(|l| {
+        let is_colour = l.target.as_deref().is_none_or(|t| t == "color");
+        l.filter.is_some() && is_colour && l.grid.is_none() && l.field.as_deref() != Some(&key.asked)
+    });
+    let (legend, layout) = match of_two {
+        None => {
+            let layout = layout(&spec, size);
+            (Legend::Bar(spec), layout)
+        }
+        Some(layer) => {
+            let swatch = swatch(layer, key, on, &spec)?;
+            let layout = swatch_layout(&swatch, size);
+            (Legend::Swatch(swatch), layout)
+        }
+    };
     // A picture that would be all legend shows none.
     let fits = layout.width < size.width * 6 / 10;
-    Ok(fits.then_some((spec, layout)))
+    Ok(fits.then_some((legend, layout)))
+}
+
+/// The colours of two properties: the table's from left to right, the filter's effect from bottom to top.
+fn swatch(layer: &LayerRecipe, key: &Key, on: &Ground, bar: &LegendSpec) -> Result<SwatchSpec> {
+    const N: usize = 96;
+    let (filter, [zero, one], range, title, unit) = data::filter_of(layer, on)?;
+    let across = AxisSpec {
+        title: bar.title.clone(),
+        unit: bar.unit.clone(),
+        scale: bar.scale,
+        range: bar.range,
+        notation: bar.notation,
+    };
+    let up = AxisSpec { title, unit, range, notation: bar.notation, ..AxisSpec::default() };
+    let colors = &key.table.colors;
+    let spec = SwatchSpec::from_fn([across, up], N, |x, y| {
+        let own = colors[((x * colors.len() as f32) as usize).min(colors.len() - 1)];
+        let value = range[0] + (range[1] - range[0]) * y as f64;
+        let kept = filter.kept(((value - zero) / (one - zero)) as f32, 0.0);
+        std::array::from_fn(|c| filter.color[c] + (own[c] - filter.color[c]) * kept)
+    });
+    Ok(SwatchSpec { missing: bar.missing, missing_share: bar.missing_share, theme: bar.theme, ..spec })
+}
+
+/// Isolines whose values stand on them: whose they are, at which values, and what they look like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Labelled {
+    /// The field's name.
+    pub field: String,
+    /// Which of its components; none: the vector's length.
+    pub component: Option<usize>,
+    /// Values of the lines that get labels.
+    pub levels: Vec<f32>,
+    /// Of the lines.
+    pub color: LinearRgba,
+}
+
+/// The lines of a recipe that get labels: the major ones, where there are such.
+pub(super) fn labelled(recipe: &Recipe, on: &Ground) -> Result<Vec<Labelled>> {
+    let mut all = Vec::new();
+    if recipe.legend.line_labels != Some(true) {
+        return Ok(all);
+    }
+    for layer in recipe.layers.iter().filter(|l| l.isolines.is_some() && l.grid.is_none()) {
+        let (isolines, [first, second]) = data::lines(layer, on)?;
+        let (field, component, range) = data::property_of(layer, on)?;
+        let levels = isolines.levels.within(range.map(|v| (v - first) / (second - first)), 4 * MOST_LINES);
+        let every = isolines.major.map_or(1, |(every, _)| every.max(1) as i64);
+        let numbered = levels.into_iter().enumerate().map(|(i, level)| match isolines.levels {
+            Levels::Steps { .. } => (level.round() as i64, level),
+            Levels::List(_) => (i as i64, level),
+        });
+        let major = numbered.filter(|(number, _)| number.rem_euclid(every) == 0);
+        let levels = major.map(|(_, level)| (first + level * (second - first)) as f32).collect();
+        all.push(Labelled { field, component, levels, color: isolines.minor.color });
+    }
+    Ok(all)
 }
 
 fn spec(recipe: &LegendRecipe, key: &Key, background: Background) -> Result<LegendSpec> {

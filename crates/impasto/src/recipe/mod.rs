@@ -7,7 +7,7 @@
 pub mod check;
 pub mod data;
 pub mod layer;
-mod legend;
+pub mod legend;
 pub mod output;
 mod outside;
 mod stack;

@@ -7,7 +7,6 @@ use crate::error::{Error, Result};
 use crate::inspect::{self, Coding, Quantity, Values, address};
 use crate::math::Size;
 use crate::par::Workers;
-use crate::picture::legend::legend_alone;
 use crate::picture::render::{self, Shortfall};
 use crate::recipe::words::{choose_or, impossible};
 use crate::recipe::{Prepared, Recipe, View, text};
@@ -119,7 +118,7 @@ pub fn make(
             return Err(impossible("legend", name, "the picture has none: no layer has a colour table"));
         };
         let path = base.join(name);
-        let drawing = legend_alone(spec, prepared.size);
+        let drawing = spec.alone(prepared.size);
         let bytes = match extension(&path).as_str() {
             "svg" => drawing.svg().into_bytes(),
             _ => image_write::png8(drawing.size, drawing.picture(None).as_flattened(), Encoding::Srgb, &metadata),

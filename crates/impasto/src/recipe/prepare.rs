@@ -6,11 +6,12 @@ use crate::error::{Error, Mended, Report, Result, note};
 use crate::lookup::{ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading, Target, Texture, Usage};
 use crate::math::Size;
 use crate::par::Workers;
-use crate::picture::legend::{LegendLayout, LegendSpec};
+use crate::picture::legend::LegendLayout;
 use crate::picture::{Backdrop, Background, Develop, Environment, Lighting};
 use crate::placement::{self, Placement, UnwrapOptions};
 use crate::recipe::data::{self, Key};
 use crate::recipe::layer::LayerRecipe;
+use crate::recipe::legend::{Labelled, Legend};
 use crate::recipe::source::Surroundings;
 use crate::recipe::words::{choose, color, impossible};
 use crate::recipe::{Recipe, SurfaceRecipe, View, legend, source, stack, view};
@@ -47,7 +48,9 @@ pub struct Prepared {
     /// What colours stand for, one for each table layer.
     pub keys: Vec<Key>,
     /// What says so, drawn over the picture.
-    pub legend: Option<(LegendSpec, LegendLayout)>,
+    pub legend: Option<(Legend, LegendLayout)>,
+    /// Isolines that have their values written on them.
+    pub labelled: Vec<Labelled>,
 }
 
 /// The size of a picture that says nothing about it.
@@ -114,6 +117,7 @@ pub fn prepare_scene(
         Some("atlas") => None,
         _ => legend::legend(recipe, &keys, &on, size, background)?,
     };
+    let labelled = legend::labelled(recipe, &on)?;
     if let Some(layer) = recipe.layers.iter().find(|l| l.gouraud == Some(true)) {
         let colors = data::vertex_colors(layer, &on)?;
         scene.mesh = colored(std::mem::take(&mut scene.mesh), colors);
@@ -168,6 +172,7 @@ pub fn prepare_scene(
         ground,
         keys,
         legend,
+        labelled,
     };
     Ok(Report { value, mended })
 }

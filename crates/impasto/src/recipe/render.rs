@@ -4,9 +4,12 @@ use crate::assets::image_write::{self, Numbers};
 use crate::color::{Encoding, LinearRgba};
 use crate::math::Size;
 use crate::par::Workers;
+use crate::picture::contour::{self, LabelStyle};
+use crate::picture::numbers::Notation;
 use crate::picture::render::{Renderer, Shortfall, Shot};
-use crate::picture::{Ground, develop_row};
-use crate::recipe::Prepared;
+use crate::picture::{Drawing, Ground, develop_row};
+use crate::recipe::legend::Labelled;
+use crate::recipe::{Prepared, check};
 use crate::visibility::{Domain, Samples};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -64,7 +67,25 @@ impl Prepared {
         if let Some((_, legend)) = &self.legend {
             legend.drawing.paint(&mut pixels, self.size);
         }
+        for lines in &self.labelled {
+            self.labels(lines, workers).paint(&mut pixels, self.size);
+        }
         Picture { size: self.size, pixels, shortfall }
+    }
+
+    /// The values of some isolines, written on them.
+    fn labels(&self, lines: &Labelled, workers: &Workers) -> Drawing {
+        let mut drawing = Drawing::new(self.size);
+        let Some(values) = check::values(self, (&lines.field, lines.component), workers) else { return drawing };
+        let contours = contour::trace(&values, self.size, &lines.levels);
+        let texts = contour::level_texts(&lines.levels, Notation::Auto);
+        let [r, g, b, _] = lines.color;
+        let is_dark = 0.2126 * r + 0.7152 * g + 0.0722 * b < 0.18;
+        let halo = if is_dark { [1.0, 1.0, 1.0, 0.75] } else { [0.0, 0.0, 0.0, 0.6] };
+        let em = (self.size.height as f32 / 48.0).max(9.0).round();
+        let style = LabelStyle::new(em, lines.color, halo);
+        drawing.items = contour::labels(&contours, &texts, (&values, self.size), &style, &[]);
+        drawing
     }
 
     /// The picture in linear light.

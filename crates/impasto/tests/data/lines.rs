@@ -52,7 +52,12 @@ fn check(prepared: &Prepared, what: &str, width: f64, at_least: usize) {
 }
 
 /// At least so many cross sections of lines, all of that width.
-pub(crate) fn check_widths(prepared: &Prepared, what: &str, (width, at_least): (f64, usize), value: impl Fn(&Seen) -> f64) {
+pub(crate) fn check_widths(
+    prepared: &Prepared,
+    what: &str,
+    (width, at_least): (f64, usize),
+    value: impl Fn(&Seen) -> f64,
+) {
     let widths = widths(prepared, value);
     assert!(widths.len() >= at_least, "{what}: {} cross sections", widths.len());
     let worst = widths.iter().map(|w| (w - width).abs()).fold(0.0, f64::max);
