@@ -144,9 +144,9 @@ fn ranges_and_tables_can_be_reversed() {
 #[test]
 fn negative_values_on_a_log_scale_lie_below_it() {
     let (pixels, said) =
-        picture(["-1", "10", "100", "0"], &with(&["--scale", "log", "--range", "1,100", "--outside", "#0000ff,,"]));
+        picture(["-1", "10", "100", "-50"], &with(&["--scale", "log", "--range", "1,100", "--outside", "#0000ff,,"]));
     assert!(said.contains("2 values of \"v\" are 0 or less"), "{said}");
-    assert_eq!(pixels[0][..3], [0, 0, 255], "top left is 0");
+    assert_eq!(pixels[0][..3], [0, 0, 255], "top left is -50");
     assert_eq!(pixels[39 * 40][..3], [0, 0, 255], "bottom left is -1");
 }
 

@@ -308,8 +308,10 @@ impl Canvas<'_> {
                 }
             }
             Item::Block { rect, n_columns, colors } => {
+                // Cells meet between pixels, or their borders would shine through.
                 for (cell, color) in cells(rect, *n_columns, colors) {
-                    self.cover(&[cell.corners()], color);
+                    let whole = Rect { min: (cell.min + 0.5).floor(), max: (cell.max + 0.5).floor() };
+                    self.cover(&[whole.corners()], color);
                 }
             }
             Item::Hatch { rect, spacing, width, color } => self.cover(&hatch(rect, *spacing, *width), *color),

@@ -489,15 +489,16 @@ pub(super) fn key(recipe: &LayerRecipe, on: &Ground) -> Result<(Key, Vec<Mended>
     let plan = plan(recipe, on)?;
     let name = recipe.table.as_deref().unwrap_or("viridis");
     let mut table = source::table(name, on.base)?;
-    if recipe.reversed == Some(true) {
-        table.colors.reverse();
-    }
     table.filter = choose_or("mag", &recipe.mag, &FILTERS, Interpolation::Nearest)?;
     if let Some(n) = recipe.bands {
         if !(1..=256).contains(&n) {
             return Err(impossible("bands", n, "1 to 256"));
         }
         table = table.banded(n as usize);
+    }
+    // After the bands were chosen: they are the same ones from either end.
+    if recipe.reversed == Some(true) {
+        table.colors.reverse();
     }
     table.scale = plan.scale;
     table.range = if plan.scale == Scale::Linear { [0.0, 1.0] } else { plan.range.map(|x| x as f32) };
