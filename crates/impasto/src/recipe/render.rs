@@ -84,6 +84,7 @@ impl Prepared {
         let halo = if is_dark { [1.0, 1.0, 1.0, 0.75] } else { [0.0, 0.0, 0.0, 0.6] };
         let em = (self.size.height as f32 / 48.0).max(9.0).round();
         let style = LabelStyle::new(em, lines.color, halo);
+        let style = LabelStyle { spacing: 60.0 * em, ..style };
         drawing.items = contour::labels(&contours, &texts, (&values, self.size), &style, &[]);
         drawing
     }
