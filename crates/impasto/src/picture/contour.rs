@@ -53,7 +53,7 @@ pub fn trace(values: &[f32], size: Size, levels: &[f32]) -> Vec<Contour> {
             let corners = [values[i], values[i + 1], values[i + width + 1], values[i + width]];
             let low = corners.iter().fold(f32::INFINITY, |m, v| m.min(*v));
             let high = corners.iter().fold(f32::NEG_INFINITY, |m, v| m.max(*v));
-            if !(low < high) || corners.iter().any(|v| !v.is_finite()) {
+            if low.is_nan() || high.is_nan() || low >= high || corners.iter().any(|v| !v.is_finite()) {
                 continue;
             }
             let first = order.partition_point(|k| levels[*k] <= low);

@@ -46,7 +46,7 @@ impl LegendScale {
     /// The scale itself, or a linear one where it is not possible.
     fn within(self, [a, b]: [f64; 2]) -> Self {
         match self {
-            Self::Log if !(a * b.signum() > 0.0) => Self::Linear,
+            Self::Log if (a * b.signum()).is_nan() || a * b.signum() <= 0.0 => Self::Linear,
             Self::SymLog { linear_up_to } if !(linear_up_to > 0.0 && linear_up_to.is_finite()) => Self::Linear,
             scale => scale,
         }
@@ -347,7 +347,7 @@ fn minor_of_linear(ticks: &Ticks, axis: &Axis) -> Vec<f64> {
     let [Some(a), Some(b)] = [ticks.major.first(), ticks.major.get(1)] else { return Vec::new() };
     let step = b.value - a.value;
     let mantissa = step / power_of_ten(exact::log10(step * 1.000_001).floor() as i32);
-    let n = if mantissa > 4.0 || mantissa < 1.5 || (mantissa > 2.3 && mantissa < 3.0) { 5 } else { 4 };
+    let n = if !(1.5..=4.0).contains(&mantissa) || (mantissa > 2.3 && mantissa < 3.0) { 5 } else { 4 };
     let distance = (step / (axis.high - axis.low)) as f32 * axis.room.length / n as f32;
     if distance < 4.0 || distance < axis.room.text_size * 0.45 {
         return Vec::new();

@@ -335,7 +335,7 @@ pub(super) fn placement(recipe: &LayerRecipe, on: &Ground) -> Result<Placement> 
 }
 
 /// Towards the light of shaded tables, eye space: from the upper left front, as the studio's key light.
-const KEY_LIGHT: Vec3 = vec3(-0.405_579_8, 0.707_106_8, 0.579_227_97);
+const KEY_LIGHT: Vec3 = vec3(-0.405_579_8, std::f32::consts::FRAC_1_SQRT_2, 0.579_227_97);
 
 /// The range that a recipe gives, or that the values have.
 fn range(recipe: &LayerRecipe, property: Property, is_log: bool, notes: &mut Vec<Mended>) -> Result<[f64; 2]> {
@@ -422,18 +422,24 @@ fn filter(recipe: &LayerRecipe, plan: &Plan, target: Target, mended: &mut Vec<Me
     })
 }
 
-/// A filter layer: what it does, which values 0 and 1 of its coordinate stand for, its field's range, name and unit.
-pub(super) fn filter_of(recipe: &LayerRecipe, on: &Ground) -> Result<(Filter, [f64; 2], [f64; 2], String, String)> {
+/// A filter and the property it looks at.
+pub(super) struct Filtering {
+    pub(super) filter: Filter,
+    /// Which values 0 and 1 of its coordinate stand for.
+    pub(super) ends: [f64; 2],
+    /// The property's least and greatest value.
+    pub(super) range: [f64; 2],
+    pub(super) title: String,
+    pub(super) unit: String,
+}
+
+/// What a filter layer does.
+pub(super) fn filter_of(recipe: &LayerRecipe, on: &Ground) -> Result<Filtering> {
     let plan = plan(recipe, on)?;
     let range = range(&LayerRecipe::default(), plan.property, false, &mut Vec::new())?;
     let field = plan.property.field;
-    Ok((
-        filter(recipe, &plan, Target::Color, &mut Vec::new())?,
-        plan.unit,
-        range,
-        field.name.clone(),
-        field.unit.clone(),
-    ))
+    let filter = filter(recipe, &plan, Target::Color, &mut Vec::new())?;
+    Ok(Filtering { filter, ends: plan.unit, range, title: field.name.clone(), unit: field.unit.clone() })
 }
 
 /// The field that a layer shows, which of its components, and its range.

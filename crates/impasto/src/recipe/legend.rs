@@ -82,7 +82,7 @@ pub(super) fn legend(
 /// The colours of two properties: the table's from left to right, the filter's effect from bottom to top.
 fn swatch(layer: &LayerRecipe, key: &Key, on: &Ground, bar: &LegendSpec) -> Result<SwatchSpec> {
     const N: usize = 96;
-    let (filter, [zero, one], range, title, unit) = data::filter_of(layer, on)?;
+    let data::Filtering { filter, ends: [zero, one], range, title, unit } = data::filter_of(layer, on)?;
     let across = AxisSpec {
         title: bar.title.clone(),
         unit: bar.unit.clone(),

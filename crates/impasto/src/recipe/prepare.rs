@@ -222,7 +222,7 @@ fn looks(recipe: &Recipe, on: &stack::Ground, mended: &mut Vec<Mended>) -> Resul
     for layer in recipe.layers.iter().filter(|l| l.gouraud != Some(true)) {
         let (mut made, texture) = stack::layer(layer, on, mended)?;
         made.texture = looks.add(texture);
-        layers.push((made, parts_named(layer, on.scene)?, alpha_mode(layer)));
+        layers.push(Worn { layer: made, parts: parts_named(layer, on.scene)?, alpha_mode: alpha_mode(layer) });
     }
     Ok(lay(looks, &layers))
 }
@@ -324,7 +324,7 @@ fn parts_named(layer: &LayerRecipe, scene: &Scene) -> Result<Option<Vec<bool>>> 
 /// What alpha means under a layer that makes some from data: a sharp cut, or something to look through.
 fn alpha_mode(layer: &LayerRecipe) -> Option<AlphaMode> {
     let is_alpha = layer.is_data() && layer.target.as_deref() == Some("alpha");
-    is_alpha.then(|| match (&layer.filter, layer.softness) {
+    is_alpha.then_some(match (&layer.filter, layer.softness) {
         (Some(_), None | Some(0.0)) => AlphaMode::Mask(0.5),
         _ => AlphaMode::Blend,
     })
@@ -337,16 +337,25 @@ fn colored(mesh: Mesh, colors: Vec<LinearRgba>) -> Mesh {
     raw.trusted()
 }
 
+/// A layer that a recipe adds.
+struct Worn {
+    layer: Layer,
+    /// Which parts wear it; none: all.
+    parts: Option<Vec<bool>>,
+    /// What alpha means under it, if it says so.
+    alpha_mode: Option<AlphaMode>,
+}
+
 /// Adds layers to the looks of the parts they are for; a look that only some of its parts keep is doubled.
-fn lay(looks: Looks, layers: &[(Layer, Option<Vec<bool>>, Option<AlphaMode>)]) -> Looks {
+fn lay(looks: Looks, layers: &[Worn]) -> Looks {
     let mut made: Vec<(u32, Vec<bool>)> = Vec::new();
     let mut out = Looks { textures: looks.textures, looks: Vec::new(), look_of_part: Vec::new() };
     for (part, &old) in looks.look_of_part.iter().enumerate() {
-        let wears: Vec<bool> = layers.iter().map(|(_, parts, _)| parts.as_ref().is_none_or(|p| p[part])).collect();
+        let wears: Vec<bool> = layers.iter().map(|worn| worn.parts.as_ref().is_none_or(|p| p[part])).collect();
         let key = (old, wears);
         let index = made.iter().position(|m| *m == key).unwrap_or_else(|| {
             let mut look: Look = looks.looks[old as usize].clone();
-            for (layer, _, alpha_mode) in layers.iter().zip(&key.1).filter(|(_, worn)| **worn).map(|(l, _)| l) {
+            for Worn { layer, alpha_mode, .. } in layers.iter().zip(&key.1).filter(|(_, worn)| **worn).map(|(l, _)| l) {
                 look.layers.push(layer.clone());
                 if look.alpha_mode == AlphaMode::Opaque {
                     look.alpha_mode = alpha_mode.unwrap_or(AlphaMode::Opaque);
