@@ -109,6 +109,23 @@ pub fn in_our_world(faces: Faces) -> Faces {
     ]
 }
 
+/// Six faces as one picture, one below the other. Panics unless all have the same kind of numbers, as [`check`] and
+/// [`CubeLayout::cut`] make sure.
+pub fn strip(faces: &Faces) -> TextureImage {
+    fn pile<T: Clone>(faces: &Faces, pick: impl Fn(&Texels) -> Option<&Image<T>>) -> Option<Image<T>> {
+        let images: Option<Vec<&Image<T>>> = faces.iter().map(|f| pick(&f.texels)).collect();
+        let images = images?;
+        let Size { width, height } = images[0].size;
+        let texels = images.iter().flat_map(|i| i.texels.iter().cloned()).collect();
+        Some(Image { size: Size::new(width, height * 6), texels })
+    }
+    let bytes = pile(faces, |t| if let Texels::U8(i) = t { Some(i) } else { None }).map(Texels::U8);
+    let words = || pile(faces, |t| if let Texels::U16(i) = t { Some(i) } else { None }).map(Texels::U16);
+    let floats = || pile(faces, |t| if let Texels::F32(i) = t { Some(i) } else { None }).map(Texels::F32);
+    let texels = bytes.or_else(words).or_else(floats).expect("faces have one kind of numbers");
+    TextureImage { texels, ..faces[0].clone() }
+}
+
 /// Whether six images are equal squares.
 ///
 /// # Errors
@@ -119,6 +136,10 @@ pub fn check(images: Vec<TextureImage>) -> Result<Faces> {
     if let Some(odd) = images.iter().find(|i| i.texels.size() != first || first.width != first.height) {
         let why = format!("it is {}; the six faces of a cube are squares of one size", odd.texels.size());
         return Err(fault(&odd.name, why));
+    }
+    let depth = |i: &TextureImage| std::mem::discriminant(&i.texels);
+    if let Some(odd) = images.iter().find(|i| depth(i) != depth(&images[0])) {
+        return Err(fault(&odd.name, "it has other numbers (8 bits, 16 bits, floats) than the first face".into()));
     }
     let n = images.len();
     images.try_into().map_err(|_| fault("", format!("a cube has six faces, here are {n}")))
@@ -204,6 +225,12 @@ mod tests {
         assert_eq!((at(&faces[0], 1, 0), at(&faces[0], 0, 0)), ([4, 2], [5, 2]));
         // +Y: t runs to +z; its first row touches -Z and is the file's last, beside +Z.
         assert_eq!((at(&faces[2], 0, 0), at(&faces[3], 0, 1)), ([2, 1], [2, 4]));
+    }
+
+    #[test]
+    fn strips_are_cut_and_joined_again() {
+        let image = numbered(2, 12);
+        assert_eq!(strip(&CubeLayout::VerticalStrip.cut(&image).unwrap()), image);
     }
 
     #[test]

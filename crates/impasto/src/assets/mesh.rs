@@ -130,6 +130,19 @@ impl Mesh {
     pub fn bounds(&self) -> Bounds {
         self.bounds.unwrap_or(Bounds::EMPTY)
     }
+    /// The same with another layout, of one place a vertex; places that are not numbers become (0, 0).
+    pub fn with_uv_set(mut self, mut set: UvSet) -> Self {
+        set.uv.resize(self.raw.positions.len(), Vec2::ZERO);
+        set.uv.iter_mut().filter(|uv| !uv.is_finite()).for_each(|uv| *uv = Vec2::ZERO);
+        self.raw.uv_sets.push(set);
+        self
+    }
+    /// The same with a linear colour and alpha for each vertex.
+    pub fn with_colors(mut self, mut colors: Vec<Vec4>) -> Self {
+        colors.resize(self.raw.positions.len(), Vec4::ONE);
+        self.raw.colors = colors;
+        self
+    }
     /// The raw form, for a change and another [`RawMesh::mend`].
     pub fn into_raw(self) -> RawMesh {
         self.raw

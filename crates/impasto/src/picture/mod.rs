@@ -20,6 +20,7 @@ pub mod numbers;
 mod metal_rough;
 pub mod render;
 pub mod shade;
+pub mod sphere_texture;
 pub mod surroundings;
 mod svg;
 pub mod swatch;
@@ -34,6 +35,7 @@ pub use environment::Environment;
 pub use ground::Ground;
 pub use light::{Light, LightKind, Lighting};
 pub use shade::{needs, shade};
+pub use sphere_texture::{gouraud, sphere_texture};
 pub use surroundings::{Panel, Reflection, Surroundings};
 
 use crate::color::{LinearRgb, LinearRgba};

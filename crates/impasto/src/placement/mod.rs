@@ -3,7 +3,9 @@
 //! [`Placement`] is the closed set of coordinate sources, [`place`] evaluates one over a batch with exact footprints.
 //! [`with_tangents`] and [`unwrap()`] make what a mesh lacks: tangent frames, and a layout in the texture plane.
 
+pub mod at_vertices;
 mod box_charts;
+pub mod cube_faces;
 mod evaluate;
 pub mod footprint;
 mod number;
@@ -19,6 +21,8 @@ mod tests;
 pub mod two_part;
 pub mod unwrap;
 
+pub use at_vertices::at_vertices;
+pub use cube_faces::{CubeFaces, cube_faces};
 pub use evaluate::{mixed, place, place_per_vertex, triplanar};
 pub use footprint::Footprint;
 pub use source::{Direction, FieldAxis, GridAxis, Missing, Placement, PositionUnit, Projector, Space, as_uv, needs};

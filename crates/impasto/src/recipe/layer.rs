@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct LayerRecipe {
     // What it reads: one of the next four.
-    /// An image: a file beside the recipe, or `sample:NAME`.
+    /// An image: a file beside the recipe, `sample:NAME`, or `lights`: a ball in the picture's own light, for the coordinate
+    /// `view-normal` (its default) on an unlit surface.
     pub image: Option<String>,
     /// A formula: `stripes`, `checker`, `noise`, `cells`, `wood`, `marble`.
     pub procedural: Option<String>,
@@ -148,6 +149,10 @@ pub struct LayerRecipe {
     pub ray: Option<String>,
     /// Of `position`: `model` units or `bounds` (the longest edge of the object is 1).
     pub unit: Option<String>,
+
+    /// Coordinates worked out at the vertices and interpolated, as old machines did it, for comparison; of a cube by
+    /// `reflection-map` or `normal-map`: each triangle on one of the six pictures, subdivided until it is.
+    pub per_vertex: Option<bool>,
 
     // Its matrix, applied in this order: scale, rotate, offset; or the 16 numbers themselves.
     /// Multiplies s and t (and r).

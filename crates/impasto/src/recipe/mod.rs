@@ -4,6 +4,7 @@
 //! the gallery is a folder of them. [`prepare()`] turns it into the engine's nouns, [`Prepared::render`] into a picture.
 //! All keys are optional and have the program's defaults. This module alone knows `serde`.
 
+pub mod ball;
 pub mod check;
 pub mod data;
 pub mod layer;
@@ -171,7 +172,7 @@ pub struct SurfaceRecipe {
     pub roughness: Option<f32>,
     /// 0 dielectric to 1 metal.
     pub metalness: Option<f32>,
-    /// `metal-rough`, `blinn-phong`, `lambert` or `unlit`.
+    /// `metal-rough`, `blinn-phong`, `lambert`, `unlit`, or `gouraud`: Blinn-Phong at the vertices, for comparison.
     pub shading: Option<String>,
     /// Strength of Blinn-Phong's highlight.
     pub specular: Option<f32>,

@@ -4,18 +4,19 @@ use crate::assets::{AlphaMode, Mesh, Scene, TextureImage};
 use crate::color::LinearRgba;
 use crate::error::{Error, Mended, Report, Result, note};
 use crate::lookup::{ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading, Target, Texture, Usage};
-use crate::math::Size;
+use crate::math::{Mat4, Size, Vec3};
 use crate::par::Workers;
 use crate::picture::legend::LegendLayout;
-use crate::picture::{Backdrop, Background, Develop, Environment, Lighting};
-use crate::placement::{self, Placement, UnwrapOptions};
+use crate::picture::sphere_texture::Material;
+use crate::picture::{Backdrop, Background, Develop, Environment, Lighting, gouraud};
+use crate::placement::{self, Placement, UnwrapOptions, Viewpoint};
 use crate::recipe::data::{self, Key};
 use crate::recipe::layer::LayerRecipe;
 use crate::recipe::legend::{Labelled, Legend};
 use crate::recipe::source::Surroundings;
 use crate::recipe::words::{choose, color, impossible};
 use crate::recipe::{Recipe, SurfaceRecipe, View, legend, source, stack, view};
-use crate::visibility::Samples;
+use crate::visibility::{Camera, Samples};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -65,7 +66,7 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// What the files' readers say; `Parameter` for names and numbers that cannot be.
 pub fn prepare(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<Report<Prepared>> {
     check(recipe)?;
-    prepare_scene(recipe, source::scene(&recipe.input, base)?, base, workers)
+    prepare_from(recipe, base, None, workers)
 }
 
 /// What can be told to be wrong before anything is loaded.
@@ -90,6 +91,25 @@ pub fn prepare_scene(
     base: &Path,
     workers: &Workers,
 ) -> Result<Report<Prepared>> {
+    prepare_seen(recipe, scene, (base, None), workers)
+}
+
+/// What a recipe names, seen by `camera` instead of the recipe's.
+pub(super) fn prepare_from(
+    recipe: &Recipe,
+    base: &Path,
+    camera: Option<Camera>,
+    workers: &Workers,
+) -> Result<Report<Prepared>> {
+    prepare_seen(recipe, source::scene(&recipe.input, base)?, (base, camera), workers)
+}
+
+fn prepare_seen(
+    recipe: &Recipe,
+    scene: Report<Scene>,
+    (base, camera): (&Path, Option<Camera>),
+    workers: &Workers,
+) -> Result<Report<Prepared>> {
     let size = size(recipe)?;
     let samples = samples(recipe)?;
     let background = view::background(&recipe.picture)?;
@@ -106,9 +126,13 @@ pub fn prepare_scene(
     if scene.mesh.triangles().is_empty() {
         return Err(Error::Format { path: recipe.subject().into(), fault: "it has no surface to show".into() });
     }
+    let seed = on_seed(recipe);
     let grids = data::grids(&recipe.layers, base, &scene, &mut mended)?;
-    let on = stack::Ground { scene: &scene, base, seed: recipe.input.seed.unwrap_or(1), uv_set, grids: &grids };
-    let mut looks = looks(recipe, &on, &mut mended)?;
+    let ball = Material { shading: Shading::Unlit, color: [1.0; 3], roughness: 1.0, metalness: 0.0 };
+    // The legend takes its room from the view, so it comes before there is one: data need none.
+    let nowhere = Viewpoint { eye_from_world: Mat4::IDENTITY, eye: Vec3::ZERO, parallel: Some(Vec3::Z) };
+    let dark = Lighting::flat(0.0);
+    let on = stack::Ground { scene: &scene, base, seed, uv_set, grids: &grids, view: nowhere, lighting: &dark, ball };
     let mut keys = Vec::new();
     for layer in recipe.layers.iter().filter(|l| l.table.is_some()) {
         keys.push(data::key(layer, &on)?.0);
@@ -118,15 +142,15 @@ pub fn prepare_scene(
         _ => legend::legend(recipe, &keys, &on, size, background)?,
     };
     let labelled = legend::labelled(recipe, &on)?;
-    if let Some(layer) = recipe.layers.iter().find(|l| l.gouraud == Some(true)) {
-        let colors = data::vertex_colors(layer, &on)?;
-        scene.mesh = colored(std::mem::take(&mut scene.mesh), colors);
-        looks.looks.iter_mut().for_each(|l| l.uses_vertex_colors = true);
-    }
-    tangents(&mut scene, &looks, &mut mended);
-
+    let table_colors = match recipe.layers.iter().find(|l| l.gouraud == Some(true)) {
+        Some(layer) => Some(data::vertex_colors(layer, &on)?),
+        None => None,
+    };
     let frame = Size::new(size.width - legend.as_ref().map_or(0, |(_, l)| l.width), size.height);
-    let view = view::view(&recipe.camera, &scene, frame)?;
+    let view = match camera {
+        Some(camera) => View::Camera(camera),
+        None => view::view(&recipe.camera, &scene, frame)?,
+    };
     let around = match &recipe.picture.environment {
         None => None,
         Some(names) => {
@@ -153,6 +177,41 @@ pub fn prepare_scene(
     });
     let environment = environment.map(Arc::new);
     let lighting = view::lighting(recipe, &scene, &viewpoint, environment)?;
+
+    let mut uv_sets = Vec::new();
+    for layer in &recipe.layers {
+        let is_per_vertex = layer.per_vertex == Some(true);
+        if is_per_vertex {
+            let on = stack::Ground {
+                scene: &scene,
+                base,
+                seed,
+                uv_set,
+                grids: &grids,
+                view: viewpoint,
+                lighting: &lighting,
+                ball,
+            };
+            scene.mesh = stack::at_vertices(layer, &on, &mut mended)?;
+        }
+        uv_sets.push(is_per_vertex.then(|| scene.mesh.uv_sets().len() - 1));
+    }
+    let on =
+        stack::Ground { scene: &scene, base, seed, uv_set, grids: &grids, view: viewpoint, lighting: &lighting, ball };
+    let (mut looks, ball) = looks(recipe, &uv_sets, &on, &mut mended)?;
+    if let Some(colors) = table_colors {
+        scene.mesh = colored(std::mem::take(&mut scene.mesh), colors);
+        looks.looks.iter_mut().for_each(|l| l.uses_vertex_colors = true);
+    }
+    if is_gouraud(recipe) {
+        let colors = gouraud(&scene.mesh, &lighting, &viewpoint, &ball);
+        scene.mesh = std::mem::take(&mut scene.mesh).with_colors(colors);
+        for look in &mut looks.looks {
+            look.uses_vertex_colors = true;
+            look.constants.color = [1.0, 1.0, 1.0, look.constants.color[3]];
+        }
+    }
+    tangents(&mut scene, &looks, &mut mended);
     let unlit = recipe.picture.unlit.unwrap_or(false);
     let is_lit = !unlit && looks.looks.iter().any(|l| l.shading != Shading::Unlit);
     let develop = view::develop(recipe, is_lit && !recipe.shows_data(), background)?;
@@ -200,8 +259,40 @@ impl Recipe {
     }
 }
 
-/// The file's looks, changed as the recipe says.
-fn looks(recipe: &Recipe, on: &stack::Ground, mended: &mut Vec<Mended>) -> Result<Looks> {
+/// Whether light is worked out at the vertices.
+fn is_gouraud(recipe: &Recipe) -> bool {
+    recipe.surface.shading.as_deref().is_some_and(|s| s.eq_ignore_ascii_case("gouraud"))
+}
+
+impl Recipe {
+    /// Whether more than light and camera change from view to view: then each needs a [`prepare()`] of its own.
+    pub fn is_made_for_one_view(&self) -> bool {
+        let is_bound = |l: &LayerRecipe| l.per_vertex == Some(true) || l.image.as_deref() == Some(stack::LIGHTS);
+        is_gouraud(self) || self.layers.iter().any(is_bound)
+    }
+}
+
+/// What a ball is made of that is lit in the surface's place: its colour, with a highlight by Blinn and Phong.
+fn ball(recipe: &SurfaceRecipe, looks: &Looks) -> Material {
+    let [specular, exponent] = highlight(recipe);
+    let constants = looks.looks.first().map(|l| l.constants).unwrap_or_default();
+    let [r, g, b, _] = constants.color;
+    let shading = Shading::BlinnPhong { specular, exponent };
+    Material { shading, color: [r, g, b], roughness: constants.roughness, metalness: constants.metalness }
+}
+
+/// Strength and exponent of a highlight.
+fn highlight(recipe: &SurfaceRecipe) -> [f32; 2] {
+    [recipe.specular.unwrap_or(0.35), recipe.exponent.unwrap_or(48.0)]
+}
+
+/// The file's looks, changed as the recipe says; and the ball of [`stack::LIGHTS`].
+fn looks(
+    recipe: &Recipe,
+    uv_sets: &[Option<usize>],
+    on: &stack::Ground,
+    mended: &mut Vec<Mended>,
+) -> Result<(Looks, Material)> {
     let mut looks = match recipe.surface.plain {
         Some(true) => {
             let mut bare = on.scene.clone_without_materials();
@@ -211,20 +302,21 @@ fn looks(recipe: &Recipe, on: &stack::Ground, mended: &mut Vec<Mended>) -> Resul
         _ => Looks::from_scene(on.scene),
     };
     surface(&recipe.surface, &mut looks)?;
+    let on = &stack::Ground { ball: ball(&recipe.surface, &looks), ..*on };
     if let Some(name) = &recipe.input.texture {
         let image = source::image(name, on.base, (None, on.seed), mended)?;
         dress(&mut looks, &image, on)?;
     }
     if recipe.layers.is_empty() {
-        return Ok(looks);
+        return Ok((looks, on.ball));
     }
     let mut layers = Vec::new();
-    for layer in recipe.layers.iter().filter(|l| l.gouraud != Some(true)) {
-        let (mut made, texture) = stack::layer(layer, on, mended)?;
+    for (layer, uv_set) in recipe.layers.iter().zip(uv_sets).filter(|(l, _)| l.gouraud != Some(true)) {
+        let (mut made, texture) = stack::layer(layer, *uv_set, on, mended)?;
         made.texture = looks.add(texture);
         layers.push(Worn { layer: made, parts: parts_named(layer, on.scene)?, alpha_mode: alpha_mode(layer) });
     }
-    Ok(lay(looks, &layers))
+    Ok((lay(looks, &layers), on.ball))
 }
 
 /// Constants that the recipe sets, in every look.
@@ -272,7 +364,7 @@ fn surface(recipe: &SurfaceRecipe, looks: &mut Looks) -> Result<()> {
 }
 
 fn shading(recipe: &SurfaceRecipe) -> Result<Option<Shading>> {
-    let (specular, exponent) = (recipe.specular.unwrap_or(0.35), recipe.exponent.unwrap_or(48.0));
+    let [specular, exponent] = highlight(recipe);
     if !((0.0..1e6).contains(&specular) && (0.0..=1e6).contains(&exponent)) {
         return Err(impossible("highlight", format!("{specular}, {exponent}"), "strength and exponent are 0 or more"));
     }
@@ -281,6 +373,8 @@ fn shading(recipe: &SurfaceRecipe) -> Result<Option<Shading>> {
         ("blinn-phong", Shading::BlinnPhong { specular, exponent }),
         ("lambert", Shading::Lambert),
         ("unlit", Shading::Unlit),
+        // Lit before it is looked up.
+        ("gouraud", Shading::Unlit),
     ];
     recipe.shading.as_deref().map(|given| choose("shading", given, &known)).transpose()
 }

@@ -1,13 +1,19 @@
 //! Layers of a recipe to layers of looks: textures prepared, coordinates placed, operators named.
 
-use crate::assets::{CubeLayout, Filter, MinFilter, Sampler, Scene, Wrap};
+use crate::assets::cube_layout::{self, Faces};
+use crate::assets::{CubeLayout, Filter, Mesh, MinFilter, Sampler, Scene, Wrap};
 use crate::error::{Error, Mended, Result};
 use crate::lookup::{
     BaseFormat, Channel, Compare, ImageTexture, Layer, Operator, Pattern, Prepare, Procedural, Target, Texture,
     TextureId, Usage,
 };
-use crate::math::{Mat4, Projection, Vec3, exact, vec3};
-use crate::placement::{Direction, Intermediate, ObjectRay, Placement, PositionUnit, Projector, Space, TwoPart};
+use crate::math::{Mat4, Projection, Size, Vec3, exact, vec3};
+use crate::picture::sphere_texture::Material;
+use crate::picture::{Lighting, sphere_texture};
+use crate::placement::{
+    self, CubeFaces, Direction, Intermediate, ObjectRay, Placement, PositionUnit, Projector, Space, TwoPart, Viewpoint,
+    cube_faces,
+};
 use crate::recipe::layer::{LayerRecipe, Numbers, Words};
 use crate::recipe::view::finite;
 use crate::recipe::words::{choose, choose_or, color, impossible};
@@ -24,21 +30,90 @@ pub(super) struct Ground<'a> {
     pub(super) uv_set: usize,
     /// Those that layers name.
     pub(super) grids: &'a [data::Sampled],
+    /// From where the surface is seen.
+    pub(super) view: Viewpoint,
+    pub(super) lighting: &'a Lighting,
+    /// What the ball of `lights` is made of.
+    pub(super) ball: Material,
 }
 
+/// The image that is a ball in the picture's own light.
+pub(super) const LIGHTS: &str = "lights";
+/// Texels across that ball.
+const N_LIGHTS: u32 = 512;
+
 /// A layer and the texture it reads.
-pub(super) fn layer(recipe: &LayerRecipe, on: &Ground, mended: &mut Vec<Mended>) -> Result<(Layer, Texture)> {
+///
+/// `uv_set` holds its coordinates already if they were worked out at the vertices.
+pub(super) fn layer(
+    recipe: &LayerRecipe,
+    uv_set: Option<usize>,
+    on: &Ground,
+    mended: &mut Vec<Mended>,
+) -> Result<(Layer, Texture)> {
+    let recipe = &completed(recipe);
     let target = target(recipe)?;
     let operator = operator(recipe, target)?;
-    let placement = placement(recipe, on)?;
+    let placement = uv_set.map_or_else(|| placement(recipe, on), |set| Ok(Placement::Uv(set)))?;
     let texture = texture(recipe, on, target, mended)?;
     let strength = recipe.strength.unwrap_or(1.0);
     if !(0.0..=1.0).contains(&strength) {
         return Err(impossible("strength", strength, "0 (no effect) to 1 (the whole)"));
     }
-    let matrix = matrix(recipe)?;
+    let matrix = if uv_set.is_some() { Mat4::IDENTITY } else { matrix(recipe)? };
     let channels = channels(recipe)?;
     Ok((Layer { placement, matrix, texture: TextureId(0), operator, target, channels, strength }, texture))
+}
+
+/// What the image `lights` goes without saying.
+fn completed(recipe: &LayerRecipe) -> LayerRecipe {
+    let mut recipe = recipe.clone();
+    if recipe.image.as_deref() == Some(LIGHTS) {
+        recipe.coordinate.get_or_insert_with(|| "view-normal".into());
+        recipe.operator.get_or_insert_with(|| "replace".into());
+        recipe.wrap.get_or_insert_with(|| Words::One("clamp-to-edge".into()));
+    }
+    recipe
+}
+
+/// Works the coordinates of a layer out at the vertices, as another UV set of the mesh.
+pub(super) fn at_vertices(recipe: &LayerRecipe, on: &Ground, mended: &mut Vec<Mended>) -> Result<Mesh> {
+    let recipe = &completed(recipe);
+    let placement = placement(recipe, on)?;
+    let mesh = on.scene.mesh.clone();
+    if mesh.uv_sets().len() >= 32 {
+        return Err(impossible("per_vertex", true, "the surface has 32 UV sets already"));
+    }
+    if let Some(faces) = cube(recipe, on, mended)? {
+        let how = CubeFaces { n_texels: faces[0].texels.size().width, ..CubeFaces::default() };
+        return Ok(cube_faces(&placement, &on.view, mesh, how).mesh);
+    }
+    let set = placement::at_vertices(&placement, &matrix(recipe)?, &on.view, &mesh);
+    Ok(mesh.with_uv_set(set))
+}
+
+/// The six faces a layer reads, if it reads a cube.
+fn cube(recipe: &LayerRecipe, on: &Ground, mended: &mut Vec<Mended>) -> Result<Option<Faces>> {
+    let making = (recipe.texels, recipe.seed.unwrap_or(on.seed));
+    let layout = recipe.layout.as_deref();
+    if let Some(names) = &recipe.images {
+        let shape = recipe.shape.as_deref().unwrap_or("cube");
+        return match choose("shape", shape, &[("cube", true), ("volume", false)])? {
+            true => source::cube(names, layout, on.base, making, mended).map(Some),
+            false => Ok(None),
+        };
+    }
+    // Where a direction is the coordinate, one picture may hold the six faces it picks from.
+    let is_direction = matches!(recipe.coordinate.as_deref(), Some("reflection-map" | "normal-map"));
+    let Some(name) = recipe.image.as_ref().filter(|_| is_direction || layout.is_some()) else { return Ok(None) };
+    let is_stack = source::STACKS.iter().any(|s| name.strip_prefix(source::SAMPLE) == Some(s));
+    if layout.is_none() && !is_stack {
+        let image = source::image(name, on.base, making, &mut Vec::new())?;
+        if source::cube_layout(None, &image)? == CubeLayout::Panorama {
+            return Ok(None);
+        }
+    }
+    source::cube(std::slice::from_ref(name), layout, on.base, making, mended).map(Some)
 }
 
 fn target(recipe: &LayerRecipe) -> Result<Target> {
@@ -290,32 +365,22 @@ fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended: &mut Vec<M
         return Ok(Texture::Procedural(procedural(name, recipe, seed)?));
     }
     let how = how(recipe, target)?;
-    if let Some(names) = &recipe.images {
-        let shape = recipe.shape.as_deref().unwrap_or("cube");
-        let is_cube = choose("shape", shape, &[("cube", true), ("volume", false)])?;
-        let making = (recipe.texels, seed);
-        let made = match is_cube {
-            true => {
-                let faces = source::cube(names, recipe.layout.as_deref(), on.base, making, mended)?;
-                ImageTexture::cube(&faces, &how)
-            }
-            false => ImageTexture::volume(&source::images(names, on.base, making, mended)?, &how),
-        };
-        return Ok(Texture::Image(made?));
+    if recipe.image.as_deref() == Some(LIGHTS) {
+        let image = sphere_texture(on.lighting, &on.view, &on.ball, Size::new(N_LIGHTS, N_LIGHTS));
+        return Ok(Texture::Image(ImageTexture::new(&image, &how)));
     }
-    // Where a direction is the coordinate, one picture may hold the six faces it picks from.
-    let is_direction = matches!(recipe.coordinate.as_deref(), Some("reflection-map" | "normal-map"));
-    if let Some(name) = recipe.image.as_ref().filter(|_| is_direction || recipe.layout.is_some()) {
-        let is_stack = source::STACKS.iter().any(|s| name.strip_prefix(source::SAMPLE) == Some(s));
-        let is_cube = is_stack || recipe.layout.is_some() || {
-            let image = source::image(name, on.base, (recipe.texels, seed), &mut Vec::new())?;
-            source::cube_layout(None, &image)? != CubeLayout::Panorama
-        };
-        if is_cube {
-            let names = std::slice::from_ref(name);
-            let faces = source::cube(names, recipe.layout.as_deref(), on.base, (recipe.texels, seed), mended)?;
-            return Ok(Texture::Image(ImageTexture::cube(&faces, &how)?));
+    if let Some(faces) = cube(recipe, on, mended)? {
+        if recipe.per_vertex == Some(true) {
+            // A column of pictures: coarser levels would mix neighbours.
+            let min = if recipe.min.is_some() { how.sampler.min } else { MinFilter::Linear };
+            let sampler = Sampler { wrap: [Wrap::ClampToEdge; 3], min, max_anisotropy: 1, ..how.sampler };
+            return Ok(Texture::Image(ImageTexture::new(&cube_layout::strip(&faces), &Prepare { sampler, ..how })));
         }
+        return Ok(Texture::Image(ImageTexture::cube(&faces, &how)?));
+    }
+    if let Some(names) = &recipe.images {
+        let slices = source::images(names, on.base, (recipe.texels, seed), mended)?;
+        return Ok(Texture::Image(ImageTexture::volume(&slices, &how)?));
     }
     let image = source::image(recipe.image.as_deref().unwrap_or_default(), on.base, (recipe.texels, seed), mended)?;
     Ok(Texture::Image(ImageTexture::new(&image, &how)))

@@ -6,11 +6,12 @@ use crate::math::{Mat4, Vec3, exact};
 use crate::par::Workers;
 use crate::picture::Reflection;
 use crate::picture::render::Shortfall;
+use crate::recipe::prepare::prepare_from;
 use crate::recipe::render::Stage;
 use crate::recipe::words::impossible;
 use crate::recipe::{Prepared, Recipe, View, output, prepare, view};
 use crate::visibility::Camera;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Pictures of one walk, unless the recipe says otherwise: 10 degrees apart.
 pub const FRAMES: u32 = 36;
@@ -29,6 +30,7 @@ pub struct Turntable {
     start: Camera,
     /// On the vertical line that the camera walks around.
     middle: Vec3,
+    base: PathBuf,
 }
 
 impl Turntable {
@@ -47,7 +49,7 @@ impl Turntable {
         let mut prepared = report.value;
         let (start, middle) = view::turning_view(&recipe.camera, &prepared.scene, prepared.frame)?;
         prepared.view = View::Camera(start);
-        Ok((Self { prepared, timing, turn: turn.to_radians(), start, middle }, report.mended))
+        Ok((Self { prepared, timing, turn: turn.to_radians(), start, middle, base: base.into() }, report.mended))
     }
 
     /// The camera of a frame. A whole turn closes: the frame after the last would be the first.
@@ -87,7 +89,7 @@ impl Turntable {
         let mut shortfall = Shortfall::default();
         let (size, timing) = (self.prepared.size, self.timing);
         animation::write(path, size, timing, &metadata, |i| {
-            self.look_from(recipe, self.camera(i))?;
+            self.look_from(recipe, self.camera(i), workers)?;
             let share = |s: f32| progress((i as f32 + s) / timing.n_frames as f32);
             let picture = self.prepared.render_on(&mut stage, workers, &share);
             shortfall.n_truncated_tiles = shortfall.n_truncated_tiles.max(picture.shortfall.n_truncated_tiles);
@@ -97,7 +99,11 @@ impl Turntable {
     }
 
     /// Moves the camera, and with it the lights that stand by the camera.
-    fn look_from(&mut self, recipe: &Recipe, camera: Camera) -> Result<()> {
+    fn look_from(&mut self, recipe: &Recipe, camera: Camera, workers: &Workers) -> Result<()> {
+        if recipe.is_made_for_one_view() {
+            self.prepared = prepare_from(recipe, &self.base, Some(camera), workers)?.value;
+            return Ok(());
+        }
         let prepared = &mut self.prepared;
         prepared.view = View::Camera(camera);
         let environment = match &prepared.lighting.reflection {
@@ -143,7 +149,7 @@ mod tests {
         let mut table = turntable("[turntable]\nframes = 6").expect("a walk");
         let recipe = recipe("");
         for i in 0..6 {
-            table.look_from(&recipe, table.camera(i)).expect("lights");
+            table.look_from(&recipe, table.camera(i), &Workers::new(1)).expect("lights");
             let picture = table.prepared.light(&Workers::new(1), &|_| ());
             let at = |x: usize, y: usize| picture.light[y * 48 + x][3];
             let edge = (0..48).map(|x| at(x, 0).max(at(x, 39))).chain((0..40).map(|y| at(0, y).max(at(47, y))));
@@ -161,7 +167,7 @@ mod tests {
         let mut table = turntable("ground = true\n[turntable]\nframes = 3").expect("a walk");
         table.write(&recipe, (&path, &[]), &workers, &|_| ()).expect("frames");
         for i in 0..3 {
-            table.look_from(&recipe, table.camera(i)).expect("lights");
+            table.look_from(&recipe, table.camera(i), &Workers::new(1)).expect("lights");
             let alone = table.prepared.render(&workers, &|_| ());
             let file = path.join(format!("frame-{:04}.png", i + 1));
             let read = image_files::read(&std::fs::read(&file).expect("a frame"), &file).expect("a PNG").value;
