@@ -2,7 +2,7 @@
 //!
 //! All measures are pixels: origin top left, y down, the centre of the first pixel at (0.5, 0.5).
 
-use crate::color::{LINEAR_FROM_SRGB8, LinearRgba, srgb8_from_linear, unorm8};
+use crate::color::{LINEAR_FROM_SRGB8, LinearRgba, luminance, srgb8_from_linear, unorm8};
 use crate::math::{Size, Vec2, sin_cos, vec2};
 use crate::picture::coverage::{self, Coverage};
 use crate::picture::font::{self, Segment, Weight};
@@ -301,18 +301,13 @@ impl Canvas<'_> {
                 self.cover(&coverage::stroke(points, *width, *is_closed), *color);
             }
             Item::Polygon { points, color } => self.cover(std::slice::from_ref(points), *color),
-            Item::Strip { rect, direction, colors } => {
-                let n = colors.len() as f32;
-                for (i, color) in colors.iter().enumerate() {
-                    self.cover(&[stretch(rect, *direction, i as f32 / n, (i + 1) as f32 / n).corners()], *color);
-                }
-            }
+            Item::Strip { rect, direction, colors } => match direction {
+                Direction::Up => self.grid(rect, [1, colors.len()], |_, row| colors[colors.len() - 1 - row]),
+                Direction::Right => self.grid(rect, [colors.len(), 1], |column, _| colors[column]),
+            },
             Item::Block { rect, n_columns, colors } => {
-                // Cells meet between pixels, or their borders would shine through.
-                for (cell, color) in cells(rect, *n_columns, colors) {
-                    let whole = Rect { min: (cell.min + 0.5).floor(), max: (cell.max + 0.5).floor() };
-                    self.cover(&[whole.corners()], color);
-                }
+                let n_rows = colors.len().checked_div(*n_columns).unwrap_or(0);
+                self.grid(rect, [*n_columns, n_rows], |column, row| colors[row * n_columns + column]);
             }
             Item::Hatch { rect, spacing, width, color } => self.cover(&hatch(rect, *spacing, *width), *color),
             Item::Text(text) => self.text(text),
@@ -326,7 +321,38 @@ impl Canvas<'_> {
         {
             self.blend(&widened(&covered, radius.clamp(0.0, 100.0)), color);
         }
-        self.cover(&contours, text.color);
+        if let Some(mut covered) = coverage::fill(&contours, self.size, 0.0) {
+            let darkness = 1.0 - luminance([text.color[0], text.color[1], text.color[2]]).clamp(0.0, 1.0);
+            covered.shares.iter_mut().for_each(|s| *s += STEM_DARKENING * darkness * *s * (1.0 - *s));
+            self.blend(&covered, text.color);
+        }
+    }
+
+    /// Cells of colour that fill a rectangle. A pixel has the mean of those it lies over, so that no seam shows.
+    fn grid(&mut self, rect: &Rect, [n_columns, n_rows]: [usize; 2], color: impl Fn(usize, usize) -> LinearRgba) {
+        if !rect.min.is_finite() || !rect.max.is_finite() || n_columns == 0 || n_rows == 0 {
+            return;
+        }
+        let columns = overlaps(rect.min.x, rect.max.x, n_columns, self.size.width);
+        let rows = overlaps(rect.min.y, rect.max.y, n_rows, self.size.height);
+        for (y, in_rows) in &rows {
+            for (x, in_columns) in &columns {
+                let (mut sum, mut whole) = ([0.0f32; 3], 0.0f32);
+                for (row, high) in in_rows {
+                    for (column, wide) in in_columns {
+                        let [r, g, b, a] = color(*column, *row);
+                        let share = high * wide * a.clamp(0.0, 1.0);
+                        sum = [sum[0] + r * share, sum[1] + g * share, sum[2] + b * share];
+                        whole += share;
+                    }
+                }
+                if whole > 0.0 {
+                    let pixel = &mut self.pixels[y * self.size.width as usize + x];
+                    let color = [sum[0] / whole, sum[1] / whole, sum[2] / whole, 1.0];
+                    *pixel = over(color, if whole > 0.9999 { 1.0 } else { whole }, *pixel);
+                }
+            }
+        }
     }
 
     fn cover(&mut self, contours: &[Vec<Vec2>], color: LinearRgba) {
@@ -347,6 +373,26 @@ impl Canvas<'_> {
             }
         }
     }
+}
+
+/// Dark letters on light ground lose weight when they are blended in linear light: half covered is three quarters as
+/// bright to the eye. This much of what is lost is given back; more looks bold at large sizes.
+const STEM_DARKENING: f32 = 0.7;
+
+/// The pixels of a row or column from `a` to `b`, each with the cells of `n` that it lies over and how much of it they take.
+fn overlaps(a: f32, b: f32, n: usize, n_pixels: u32) -> Vec<(usize, Vec<(usize, f32)>)> {
+    let step = (b - a) / n as f32;
+    let (first, end) = (a.max(0.0).floor() as usize, b.min(n_pixels as f32).ceil().max(0.0) as usize);
+    let edge = |i: usize| if i == n { b } else { a + step * i as f32 };
+    let of_pixel = |p: usize| {
+        let (low, high) = ((p as f32).max(a), (p as f32 + 1.0).min(b));
+        // One cell more on either side than division says: it is rounded.
+        let from = (((low - a) / step) as usize).saturating_sub(1);
+        let to = (((high - a) / step) as usize + 2).min(n);
+        let shares = (from..to).map(|i| (i, edge(i + 1).min(high) - edge(i).max(low)));
+        (p, shares.filter(|(_, share)| *share > 1e-5).collect())
+    };
+    (first..end).map(of_pixel).collect()
 }
 
 /// A colour laid over a pixel.

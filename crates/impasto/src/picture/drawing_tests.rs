@@ -37,6 +37,20 @@ fn a_strip_starts_where_its_direction_says() {
 }
 
 #[test]
+fn cells_leave_no_seams() {
+    let rect = Rect::new(0.0, 0.0, 40.0, 33.0);
+    let block = Item::Block { rect, n_columns: 23, colors: vec![[0.5, 0.5, 0.5, 1.0]; 23 * 17] };
+    assert!(drawn(Size::new(40, 33), vec![block], None).iter().all(|p| *p == [188, 188, 188, 255]));
+    let strip = Item::Strip { rect, direction: Direction::Up, colors: vec![[1.0, 0.0, 0.0, 0.5]; 50] };
+    assert!(drawn(Size::new(40, 33), vec![strip], None).iter().all(|p| *p == [255, 0, 0, 128]));
+    // A pixel over two cells has their mean.
+    let strip =
+        Item::Strip { rect: Rect::new(0.0, 0.0, 3.0, 1.0), direction: Direction::Right, colors: vec![BLACK, WHITE] };
+    let reds: Vec<u8> = drawn(Size::new(3, 1), vec![strip], None).iter().map(|p| p[0]).collect();
+    assert_eq!(reds, [0, 188, 255]);
+}
+
+#[test]
 fn a_frame_lies_outside_its_rectangle() {
     let frame = Item::Frame { rect: Rect::new(2.0, 2.0, 3.0, 2.0), width: 1.0, color: WHITE };
     let picture = drawn(Size::new(7, 6), vec![frame], None);

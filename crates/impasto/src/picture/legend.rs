@@ -276,7 +276,7 @@ impl Block {
         let ticks = spec.ticks(Room { length, text_size: text, is_horizontal: false });
 
         let y = self.header(spec, &ticks, sizes, [room_for_text, most_lines as f32]);
-        let mut y = y + gap;
+        let mut y = if y > 0.0 { y + (0.5 * text).round() } else { y };
         if let Some(color) = spec.above {
             self.swatch(Rect::new(0.0, y, width, swatch), color, &beyond(spec, true), spec.theme, sizes);
             y += swatch + apart;
@@ -359,31 +359,31 @@ impl Block {
         let colors = spec.pixels(length as usize);
         self.checkers(bar, &colors, sizes);
         self.items.push(Item::Strip { rect: bar, direction, colors });
-        for line in &spec.lines {
-            let t = spec.scale.position(line.value, spec.range) as f32;
-            // Not where it would be half a line over the frame.
-            let width = sizes.hairline * if line.is_major { 1.5 } else { 1.0 };
-            if !(t * length >= width && t * length <= length - width) {
-                continue;
-            }
-            let (from, to) = match direction {
+        let at = |line: &LegendLine| spec.scale.position(line.value, spec.range) as f32 * length;
+        let lines = spec.lines.iter().filter(|l| at(l) > sizes.hairline && at(l) < length - sizes.hairline);
+        // Where lines crowd only the major ones are left.
+        let n_lines = lines.clone().count() as f32;
+        let is_crowded = n_lines * 4.0 * sizes.hairline > length;
+        for line in lines.filter(|l| l.is_major || !is_crowded) {
+            let width = if line.is_major { (sizes.hairline * 1.5).ceil() } else { sizes.hairline };
+            let rect = match direction {
                 Direction::Up => {
-                    let y = bar.max.y - t * length;
-                    (vec2(bar.min.x, y), vec2(bar.max.x, y))
+                    let (low, high) = tick_rows(bar.max.y - at(line), width);
+                    Rect { min: vec2(bar.min.x, low), max: vec2(bar.max.x, high) }
                 }
                 Direction::Right => {
-                    let x = bar.min.x + t * length;
-                    (vec2(x, bar.min.y), vec2(x, bar.max.y))
+                    let (low, high) = tick_rows(bar.min.x + at(line), width);
+                    Rect { min: vec2(low, bar.min.y), max: vec2(high, bar.max.y) }
                 }
             };
-            self.items.push(Item::Line { from, to, width, color: line.color });
+            self.items.push(Item::Rect { rect, color: line.color });
         }
         self.frame(bar, spec.theme, sizes);
     }
 
     /// Squares behind colours that let through.
     pub(super) fn checkers(&mut self, rect: Rect, colors: &[LinearRgba], sizes: &Sizes) {
-        if colors.iter().all(|c| c[3] >= 1.0) {
+        if colors.iter().all(|c| c[3] > 0.999) {
             return;
         }
         let cell = (0.35 * sizes.text).max(3.0);

@@ -112,6 +112,7 @@ pub fn single(value: f64, n_digits: usize, notation: Notation) -> String {
     match (exponent, notation) {
         (0, _) => text,
         (_, Notation::Si) if prefix(exponent).is_some() => format!("{text} {}", prefix(exponent).unwrap_or_default()),
+        _ if text == "1" || text == "−1" => text.replace('1', &power_text(exponent)),
         _ => format!("{text}×{}", power_text(exponent)),
     }
 }
@@ -199,7 +200,7 @@ mod tests {
             (-12.5, 3, "−12.5"),
             (12_345.6, 3, "12300"),
             (1.5e-7, 3, "1.5×10⁻⁷"),
-            (1e9, 3, "1×10⁹"),
+            (1e9, 3, "10⁹"),
             (f64::INFINITY, 3, "∞"),
             (f64::NEG_INFINITY, 3, "−∞"),
             (f64::NAN, 3, "NaN"),

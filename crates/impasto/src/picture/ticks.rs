@@ -12,9 +12,9 @@ pub enum LegendScale {
     Linear,
     /// By their logarithm. A range that holds zero is taken as linear.
     Log,
-    /// By their logarithm on both sides of zero; evenly in between, over a decade's length on either side.
+    /// By `sign(x) log(1 + |x| / linear_up_to)`: a logarithm on both sides of zero that passes it smoothly.
     SymLog {
-        /// The size up to which values lie evenly; greater than 0.
+        /// The size up to about which values lie evenly; greater than 0.
         linear_up_to: f64,
     },
 }
@@ -36,10 +36,7 @@ impl LegendScale {
         match self.within(range) {
             Self::Linear => place,
             Self::Log => exact::pow(10.0, place.abs() - LOG_SHIFT) * place.signum(),
-            Self::SymLog { linear_up_to } => match place.abs() {
-                a if a <= 1.0 => place * linear_up_to,
-                a => exact::pow(10.0, a - 1.0) * linear_up_to * place.signum(),
-            },
+            Self::SymLog { linear_up_to } => (exact::pow(10.0, place.abs()) - 1.0) * linear_up_to * place.signum(),
         }
     }
 
@@ -59,10 +56,7 @@ impl LegendScale {
         move |v: f64| match scale {
             Self::Linear => v,
             Self::Log => sign * (exact::log10((v * sign).max(f64::MIN_POSITIVE)) + LOG_SHIFT),
-            Self::SymLog { linear_up_to } => match v.abs() / linear_up_to {
-                a if a <= 1.0 => v / linear_up_to,
-                a => (1.0 + exact::log10(a)) * v.signum(),
-            },
+            Self::SymLog { linear_up_to } => exact::log10(1.0 + v.abs() / linear_up_to) * v.signum(),
         }
     }
 }
