@@ -148,7 +148,7 @@ fn files_are_unpacked_and_levels_are_taken_as_asked() {
     let fault = files::load_volume(&off).unwrap_err().to_string();
     assert!(fault.contains(".off is not a format Impasto reads as a grid"), "{fault}");
     let torn = write("b.off.gz", &gzipped(triangle)[..20]);
-    assert!(files::load(&torn, &LoadOptions::default()).unwrap_err().to_string().contains("gzip: "));
+    assert!(files::load(&torn, &LoadOptions::default()).unwrap_err().to_string().contains("cannot be unpacked"));
     let far = "HETATM    1  C   A       1    ********   0.000   0.000  1.00  0.00           C\n";
     let far = write("far.pdb", far.as_bytes());
     assert!(files::load(&far, &LoadOptions::default()).unwrap_err().to_string().contains("no atom in it"));

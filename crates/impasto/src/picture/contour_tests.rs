@@ -60,7 +60,7 @@ fn labels_keep_off_each_other_edges_and_what_is_taken() {
     // Slanted stripes on a disk with a hole.
     let values = field(|p| {
         let r = (p - CENTER).length();
-        if r > 110.0 || r < 25.0 { f32::NAN } else { 0.3 * p.x + 0.8 * p.y }
+        if !(25.0..=110.0).contains(&r) { f32::NAN } else { 0.3 * p.x + 0.8 * p.y }
     });
     let levels: Vec<f32> = (0..30).map(|i| i as f32 * 10.0).collect();
     let contours = trace(&values, SIZE, &levels);

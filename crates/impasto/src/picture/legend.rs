@@ -260,7 +260,7 @@ impl Block {
 
     /// The title, then the bar with its numbers on the right, then remarks.
     fn upright(&mut self, spec: &LegendSpec, picture: Size, sizes: &Sizes) {
-        let Sizes { text, gap, .. } = *sizes;
+        let Sizes { text, .. } = *sizes;
         let swatch = (text * 0.95).round();
         // Its remark keeps a line's distance from the number at the bar's end.
         let apart = (text * 0.65).round();

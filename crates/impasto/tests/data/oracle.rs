@@ -88,7 +88,9 @@ pub(crate) fn prepare_with(raw: &RawMesh, recipe: &str, files: &[(&str, String)]
     files.iter().for_each(|(name, text)| std::fs::write(folder.path().join(name), text).unwrap());
     std::fs::write(folder.path().join("a.ply"), ply_write::write(&raw.clone().mend().value)).unwrap();
     let toml = format!("input.file = 'a.ply'\n{recipe}");
-    let recipe = text::parse(&toml, Path::new("inline")).unwrap();
+    let mut recipe = text::parse(&toml, Path::new("inline")).unwrap();
+    // The whole picture is the object's.
+    recipe.legend.place = Some("none".into());
     recipe::prepare(&recipe, folder.path(), &Workers::new(1)).unwrap_or_else(|e| panic!("{e}: {toml}")).value
 }
 
@@ -190,11 +192,11 @@ pub(crate) fn value(mesh: &Mesh, name: &str, component: Option<usize>, seen: &Se
 
 /// The picture's only table.
 pub(crate) fn table(prepared: &Prepared) -> &ColorTable {
-    let tables = prepared.looks.textures.iter().filter_map(|t| match t {
+    let mut tables = prepared.looks.textures.iter().filter_map(|t| match t {
         Texture::Table(table) => Some(table),
         _ => None,
     });
-    tables.last().expect("a layer has a table")
+    tables.next_back().expect("a layer has a table")
 }
 
 /// The entry of a table of `n` that a share of the range, 0 to 1, falls into; none within `tolerance` of a border.

@@ -38,6 +38,8 @@ fn picked_values_give_the_pixels_of_the_gallery() {
         recipe.picture.samples = Some(1);
         recipe.picture.size = Some([56, 42]);
         recipe.picture.ground = None;
+        recipe.legend = Default::default();
+        recipe.legend.place = Some("none".into());
         let prepared = recipe::prepare(&recipe, path.parent().unwrap(), &workers).unwrap().value;
         let picture = prepared.light(&workers, &|_| ());
         let (domain, shot) = (prepared.domain(), prepared.shot(Samples::One));
@@ -52,7 +54,8 @@ fn picked_values_give_the_pixels_of_the_gallery() {
             let numbers = &found.fields[index];
             let picked = component.map_or_else(|| numbers.iter().map(|x| x * x).sum::<f64>().sqrt(), |c| numbers[c]);
             let is_even = table.range == [0.0, 1.0] && table.scale == Default::default();
-            let at = if is_even { (picked - from) / (to - from) } else { picked };
+            // Logarithms count in units of the range's greatest value.
+            let at = if is_even { (picked - from) / (to - from) } else { picked / from.abs().max(to.abs()) };
             let place = at * table.colors.len() as f64;
             // On a border between two entries the last digit decides.
             let is_border = is_even && (place - place.round()).abs() < 1e-3;
