@@ -127,9 +127,10 @@ pub(crate) struct Look {
     /// Colours of values below the range, above it, and of missing values.
     #[arg(long, value_name = "BELOW,ABOVE,MISSING", requires = "coloring", help_heading = "Data")]
     outside: Option<String>,
-    /// Leave the whole triangle out where a corner's value is missing.
-    #[arg(long, requires = "coloring", help_heading = "Data")]
-    missing_fan: bool,
+    /// What a missing value takes from its triangles: nearest (the part next to it), fan (all), or hatch: the nearest part,
+    /// filled with lines.
+    #[arg(long, value_name = "MODE", requires = "coloring", help_heading = "Data")]
+    missing_as: Option<String>,
     /// Colours looked up at the vertices and interpolated, as Gouraud had it: for comparison.
     #[arg(long, requires = "coloring", help_heading = "Data")]
     gouraud: bool,
@@ -167,7 +168,7 @@ pub(crate) struct Look {
     /// See through low values: "FIELD=FROM..TO" is clear at FROM, opaque at TO.
     #[arg(long, value_name = "TEST", help_heading = "Data")]
     opacity: Option<String>,
-    /// Where the legend stands: right (the default with --color-by) or none.
+    /// Where the legend stands: right (the default with --color-by), left, bottom or none.
     #[arg(long, value_name = "PLACE", help_heading = "Data")]
     legend: Option<String>,
     /// A chart in place of the textures, to see the layout.
@@ -308,6 +309,15 @@ impl Look {
     fn data(&self, recipe: &mut Recipe, color_by: Option<&str>) -> Result<()> {
         let text = |s: &str| Some(s.to_owned());
         let yes = |flag: bool| flag.then_some(true);
+        // Labels carry their own colours.
+        if let Some(field) = color_by.filter(|f| f.ends_with(".color")) {
+            recipe.layers.push(LayerRecipe {
+                carried: text(field),
+                operator: text("replace"),
+                ..LayerRecipe::default()
+            });
+        }
+        let color_by = color_by.filter(|f| !f.ends_with(".color"));
         let is_safe =
             color_by.is_some() && self.shading.as_deref().is_none_or(|s| s == "safe") && !self.unlit && !self.gouraud;
         if let Some(field) = color_by {
@@ -319,8 +329,8 @@ impl Look {
             let (range, percentiles) = match self.range.as_deref() {
                 None => (None, None),
                 Some(given) => match given.contains('%') {
-                    true => (None, Some(two(&given.replace('%', ""), ',').context("a range is 0,10 or 2%,98%")?)),
-                    false => (Some(two(given, ',').context("a range is 0,10 or 2%,98%")?), None),
+                    true => (None, Some(two(&given.replace('%', ""), ",").context("a range is 0,10 or 2%,98%")?)),
+                    false => (Some(two(given, ",").context("a range is 0,10 or 2%,98%")?), None),
                 },
             };
             let mut outside = self.outside.iter().flat_map(|o| o.split(',')).map(|c| text(c).filter(|c| !c.is_empty()));
@@ -336,7 +346,7 @@ impl Look {
                 below: outside.next().flatten(),
                 above: outside.next().flatten(),
                 missing: outside.next().flatten(),
-                missing_mode: self.missing_fan.then(|| "fan".into()),
+                missing_mode: self.missing_as.clone(),
                 shades: yes(is_safe),
                 gouraud: yes(self.gouraud),
                 label: self.label.clone(),
@@ -372,7 +382,7 @@ impl Look {
         }
         if let Some(test) = &self.opacity {
             let (field, ends) = test.split_once('=').context("opacity is FIELD=FROM..TO")?;
-            let [from, to] = two(ends, '.').context("opacity is FIELD=FROM..TO")?;
+            let [from, to] = two(ends, "..").context("opacity is FIELD=FROM..TO")?;
             recipe.layers.push(LayerRecipe {
                 filter: text(if from < to { "above" } else { "below" }),
                 field: text(field.trim()),
@@ -400,13 +410,9 @@ fn is_grid(name: &str) -> bool {
     ["cube", "dx", "mrc", "map", "ccp4", "nrrd"].iter().any(|kind| bare.ends_with(&format!(".{kind}")))
 }
 
-/// Two numbers between signs.
-fn two(text: &str, sign: char) -> Result<[f64; 2]> {
-    let parts: Vec<&str> = match sign {
-        '.' => text.split("..").collect(),
-        sign => text.split(sign).collect(),
-    };
-    match parts[..] {
+/// Two numbers with a sign between them.
+pub(crate) fn two(text: &str, sign: &str) -> Result<[f64; 2]> {
+    match text.split(sign).collect::<Vec<_>>()[..] {
         [a, b] => Ok([a.trim().parse()?, b.trim().parse()?]),
         _ => bail!("{text:?} are not two numbers"),
     }

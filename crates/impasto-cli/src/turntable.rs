@@ -1,9 +1,9 @@
 //! `impasto turntable`: a file to a moving picture.
 
-use crate::options::Look;
+use crate::options::{Look, two};
 use crate::render::{command_line, info_count, notes};
 use crate::report;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use impasto::assets::animation::Format;
 use impasto::par::Workers;
 use impasto::recipe::Recipe;
@@ -20,6 +20,8 @@ use std::time::Instant;
   impasto turntable model.glb -o model.gif
   impasto turntable scan.ply -o scan.png --frames 72 --fps 24 --size 800x800 --ground
   impasto turntable femur.ply -o stress.gif --color-by stress --table vik --elevation 10
+  impasto turntable femur.ply -o range.gif --color-by stress --watch-range 0:10..0:200
+  impasto turntable dem.asc -o tide.gif --isolines 50 --isolines-of height --watch-level 0..50
   impasto turntable sample:chameleon -o frames/ --turn 90 --frames 30")]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -33,9 +35,15 @@ pub(crate) struct Args {
     /// Pictures a second.
     #[arg(long, value_name = "N", default_value_t = impasto::recipe::turntable::FPS)]
     fps: f32,
-    /// How far the camera walks; below zero the other way.
-    #[arg(long, value_name = "DEGREES", default_value_t = 360.0, allow_hyphen_values = true)]
-    turn: f32,
+    /// How far the camera walks; below zero the other way. Absent: once around, or not at all when something else moves.
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    turn: Option<f32>,
+    /// Move the range of --color-by from the one to the other.
+    #[arg(long, value_name = "A:B..C:D", requires = "coloring", allow_hyphen_values = true)]
+    watch_range: Option<String>,
+    /// Move all --isolines: a line at the first value wanders to the second.
+    #[arg(long, value_name = "A..B", requires = "isolines", allow_hyphen_values = true)]
+    watch_level: Option<String>,
     /// How high the camera stands, -90 to 90.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     elevation: Option<f32>,
@@ -49,7 +57,16 @@ pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
     recipe.camera.elevation = args.elevation.or(recipe.camera.elevation);
     recipe.turntable.frames = Some(args.frames);
     recipe.turntable.fps = Some(args.fps);
-    recipe.turntable.turn = Some(args.turn);
+    recipe.turntable.turn = args.turn;
+    if let Some(given) = &args.watch_range {
+        let why = || format!("watch-range {given:?} is not possible: two ranges, like 0:10..0:200");
+        let (from, to) = given.split_once("..").with_context(why)?;
+        recipe.turntable.watch_range = Some([two(from, ":").with_context(why)?, two(to, ":").with_context(why)?]);
+    }
+    if let Some(given) = &args.watch_level {
+        let why = || format!("watch-level {given:?} is not possible: two values, like 0..50");
+        recipe.turntable.watch_level = Some(two(given, "..").with_context(why)?);
+    }
     recipe.output.picture = Some(args.output.clone());
     draw(&recipe, Path::new(""), args.json, workers)
 }

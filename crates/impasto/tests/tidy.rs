@@ -44,6 +44,33 @@ fn every_file_says_its_job_and_is_short() {
     }
 }
 
+/// Keys of recipes are public fields of these structures.
+#[test]
+fn every_key_of_a_recipe_is_documented() {
+    let docs = std::fs::read_to_string(root().join("docs/recipes.md")).unwrap();
+    for (file, name, section) in [
+        ("mod", "Input", "[input]"),
+        ("mod", "CameraRecipe", "[camera]"),
+        ("mod", "PictureRecipe", "[picture]"),
+        ("mod", "SurfaceRecipe", "[surface]"),
+        ("mod", "LightRecipe", "[[lights]]"),
+        ("layer", "LayerRecipe", "[[layers]]"),
+        ("mod", "LegendRecipe", "[legend]"),
+        ("mod", "Output", "[output]"),
+        ("mod", "TurntableRecipe", "[turntable]"),
+        ("mod", "GalleryPlace", "[gallery]"),
+    ] {
+        let source = root().join(format!("crates/impasto/src/recipe/{file}.rs"));
+        let source = std::fs::read_to_string(source).unwrap();
+        let fields = source.split(&format!("pub struct {name} {{")).nth(1).and_then(|s| s.split("\n}").next()).unwrap();
+        let told = docs.split(&format!("### `{section}`")).nth(1).unwrap_or_else(|| panic!("{section} is not told"));
+        let told = told.split("\n#").next().unwrap();
+        for key in fields.lines().filter_map(|l| l.trim().strip_prefix("pub ")?.split(':').next()) {
+            assert!(told.contains(&format!("| `{key}` |")), "{key} of {section} is not in docs/recipes.md");
+        }
+    }
+}
+
 /// `use crate::a::...` in module b is right when a stands above b in lib.rs. Tests may look anywhere.
 #[test]
 fn modules_use_only_those_above_them() {

@@ -7,7 +7,6 @@
 
 use crate::assets::files::write_atomically;
 use crate::assets::image_write::{self, write_texts};
-use crate::color::Encoding;
 use crate::error::{Error, Result};
 use crate::math::Size;
 use std::borrow::Cow;
@@ -33,6 +32,17 @@ pub struct Timing {
     pub n_frames: u32,
     /// Frames a second.
     pub fps: f32,
+}
+
+/// What all frames of an animation share.
+#[derive(Clone, Copy)]
+pub struct Clip<'a> {
+    /// Pixels across and down.
+    pub size: Size,
+    /// How it runs.
+    pub timing: Timing,
+    /// Goes into PNGs and, as comments, into GIFs.
+    pub metadata: &'a [(&'a str, String)],
 }
 
 /// One frame: sRGB bytes and straight alpha, rows from the top.
@@ -71,18 +81,12 @@ impl Format {
     }
 }
 
-/// Writes an animation; `frame` makes the frames, asked for one after the other. `metadata` go into PNGs and, as comments,
-/// into GIFs.
+/// Writes an animation; `frame` makes the frames, asked for one after the other.
 ///
 /// # Errors
 /// `Write`, and what `frame` gives; then nothing is left behind.
-pub fn write(
-    path: &Path,
-    size: Size,
-    timing: Timing,
-    metadata: &[(&str, String)],
-    mut frame: impl FnMut(u32) -> Result<Pixels>,
-) -> Result<()> {
+pub fn write(path: &Path, clip: Clip, mut frame: impl FnMut(u32) -> Result<Pixels>) -> Result<()> {
+    let Clip { size, timing, .. } = clip;
     let format = Format::of(path)?;
     let fault = |what: &str, given: String, why: String| Error::Parameter { what: what.into(), given, why };
     if !(1..=MOST_FRAMES).contains(&timing.n_frames) {
@@ -95,7 +99,7 @@ pub fn write(
         return Err(fault("size", size.to_string(), "a GIF has at most 65535 pixels a side".into()));
     }
     if format == Format::Frames {
-        return folder(path, size, timing, metadata, frame);
+        return folder(path, clip, frame);
     }
     // The writer knows errors of the file system alone; the others wait outside.
     let mut other = None;
@@ -108,21 +112,15 @@ pub fn write(
         Ok(pixels)
     };
     let written = write_atomically(path, |file| match format {
-        Format::Gif => gif(file, size, timing, metadata, &mut next),
-        _ => apng(file, size, timing, metadata, &mut next),
+        Format::Gif => gif(file, clip, &mut next),
+        _ => apng(file, clip, &mut next),
     });
     other.map_or(written, Err)
 }
 
 type Next<'a> = dyn FnMut(u32) -> io::Result<Pixels> + 'a;
 
-fn apng(
-    file: &mut dyn Write,
-    size: Size,
-    timing: Timing,
-    metadata: &[(&str, String)],
-    next: &mut Next,
-) -> io::Result<()> {
+fn apng(file: &mut dyn Write, Clip { size, timing, metadata }: Clip, next: &mut Next) -> io::Result<()> {
     let first = next(0)?;
     // All frames have the channels of the first.
     let is_opaque = first.iter().all(|p| p[3] == 255);
@@ -153,13 +151,7 @@ fn apng(
     Ok(writer.finish()?)
 }
 
-fn gif(
-    file: &mut dyn Write,
-    size: Size,
-    timing: Timing,
-    metadata: &[(&str, String)],
-    next: &mut Next,
-) -> io::Result<()> {
+fn gif(file: &mut dyn Write, Clip { size, timing, metadata }: Clip, next: &mut Next) -> io::Result<()> {
     let [width, height] = [size.width as u16, size.height as u16];
     let broken = |e: gif::EncodingError| match e {
         gif::EncodingError::Io(e) => e,
@@ -260,9 +252,7 @@ fn quantized(pixels: &Pixels) -> (Vec<u8>, Option<u8>, Vec<u8>) {
 /// `frame-0001.png` and so on: made beside their place, and moved there when all are whole.
 fn folder(
     path: &Path,
-    size: Size,
-    timing: Timing,
-    metadata: &[(&str, String)],
+    Clip { size, timing, metadata }: Clip,
     mut frame: impl FnMut(u32) -> Result<Pixels>,
 ) -> Result<()> {
     let error = |source| Error::Write { path: path.into(), source };
@@ -285,14 +275,7 @@ fn folder(
         for (i, name) in names.iter().enumerate() {
             let pixels = frame(i as u32)?;
             assert_eq!(pixels.len(), size.n_cells(), "a frame has one pixel a cell");
-            let is_opaque = pixels.iter().all(|p| p[3] == 255);
-            let bytes = match is_opaque {
-                true => {
-                    let rgb: Vec<u8> = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
-                    image_write::png8(size, &rgb, Encoding::Srgb, metadata)
-                }
-                false => image_write::png8(size, pixels.as_flattened(), Encoding::Srgb, metadata),
-            };
+            let bytes = image_write::png_picture(size, &pixels, metadata);
             std::fs::write(room.path().join(name), bytes).map_err(error)?;
         }
         names.iter().try_for_each(|name| std::fs::rename(room.path().join(name), path.join(name))).map_err(error)
@@ -324,11 +307,13 @@ mod tests {
 
     fn written(name: &str, timing: Timing, f: impl FnMut(u32) -> Result<Pixels>) -> (tempfile::TempDir, Result<()>) {
         let folder = tempfile::tempdir().expect("a folder for the test");
-        let result = write(&folder.path().join(name), SIZE, timing, &[("Software", "Impasto".into())], f);
+        let result =
+            write(&folder.path().join(name), Clip { timing, metadata: &[("Software", "Impasto".into())], ..CLIP }, f);
         (folder, result)
     }
 
     const TIMING: Timing = Timing { n_frames: 4, fps: 12.0 };
+    const CLIP: Clip = Clip { size: SIZE, timing: TIMING, metadata: &[] };
 
     #[test]
     fn gifs_show_every_frame_again() {
@@ -408,9 +393,11 @@ mod tests {
             names
         };
         assert_eq!(names(&path), ["frame-0001.png", "frame-0002.png", "frame-0003.png", "frame-0004.png"]);
-        write(&path, SIZE, TIMING, &[], |i| Ok(frame(i))).expect("as many again");
+        write(&path, CLIP, |i| Ok(frame(i))).expect("as many again");
         let fewer = Timing { n_frames: 2, ..TIMING };
-        let fault = write(&path, SIZE, fewer, &[], |i| Ok(frame(i))).expect_err("an older one is longer").to_string();
+        let fault = write(&path, Clip { timing: fewer, ..CLIP }, |i| Ok(frame(i)))
+            .expect_err("an older one is longer")
+            .to_string();
         assert!(fault.contains("frame-000") && names(&path).len() == 4, "{fault}");
     }
 

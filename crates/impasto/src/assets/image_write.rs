@@ -13,7 +13,18 @@ pub fn png8(size: Size, samples: &[u8], encoding: Encoding, metadata: &[(&str, S
     png(size, samples, png::BitDepth::Eight, Some(encoding), metadata)
 }
 
-/// The same with 16 bits a sample.
+/// A picture in sRGB with straight alpha as a PNG: three channels when it is opaque, four otherwise.
+pub fn png_picture(size: Size, pixels: &[[u8; 4]], metadata: &[(&str, String)]) -> Vec<u8> {
+    match pixels.iter().all(|p| p[3] == 255) {
+        true => {
+            let rgb: Vec<u8> = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+            png8(size, &rgb, Encoding::Srgb, metadata)
+        }
+        false => png8(size, pixels.as_flattened(), Encoding::Srgb, metadata),
+    }
+}
+
+/// An image as [`png8`] writes it, with 16 bits a sample.
 pub fn png16(size: Size, samples: &[u16], encoding: Encoding, metadata: &[(&str, String)]) -> Vec<u8> {
     let bytes: Vec<u8> = samples.iter().flat_map(|x| x.to_be_bytes()).collect();
     png(size, &bytes, png::BitDepth::Sixteen, Some(encoding), metadata)

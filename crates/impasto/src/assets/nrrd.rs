@@ -5,6 +5,7 @@
 
 use crate::assets::Lattice;
 use crate::assets::molecule::Molecule;
+use crate::assets::numbers::Kind;
 use crate::assets::packed;
 use crate::assets::text::{Lines, Words, format_error, integer, number, parse_error, string, trimmed};
 use crate::assets::volume::{self, Volume};
@@ -53,12 +54,12 @@ pub fn read(bytes: &[u8], path: &Path) -> Result<Report<Volume>> {
     let data = match head.byte_skip {
         // The values are what the file ends with.
         -1 if !is_text => {
-            let n = n_each.saturating_mul(kind.n_bytes() as u64);
+            let n = n_each.saturating_mul(kind.size() as u64);
             &data[(data.len() as u64).saturating_sub(n) as usize..]
         }
         n => data.get(n.max(0) as usize..).unwrap_or_default(),
     };
-    let bits = if is_text { 16 } else { 8 * kind.n_bytes() as u64 };
+    let bits = if is_text { 16 } else { 8 * kind.size() as u64 };
     let n = volume::room_for([n_each, 1, 1], 1, bits, data.len() + is_text as usize, path);
     let n = n.map_err(|_| {
         let claimed = size.iter().map(|s| s.to_string()).collect::<Vec<_>>().join(" x ");
@@ -76,8 +77,8 @@ pub fn read(bytes: &[u8], path: &Path) -> Result<Report<Volume>> {
         values.resize(n, f32::NAN);
         values
     } else {
-        let item = kind.n_bytes();
-        data[..n * item].chunks_exact(item).map(|b| kind.number(b, head.is_big)).collect()
+        let item = kind.size();
+        data[..n * item].chunks_exact(item).map(|b| kind.number(b, !head.is_big) as f32).collect()
     };
 
     // Of lists the first entry.
@@ -112,73 +113,27 @@ fn skipped_lines(bytes: &[u8], n: usize) -> &[u8] {
     rest
 }
 
-/// How a number is stored.
-#[derive(Clone, Copy)]
-enum Kind {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    I64,
-    U64,
-    F32,
-    F64,
-}
-
-impl Kind {
-    fn by_name(name: &str) -> Option<Self> {
-        Some(match name {
-            "signed char" | "int8" | "int8_t" => Self::I8,
-            "uchar" | "unsigned char" | "uint8" | "uint8_t" => Self::U8,
-            "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => Self::I16,
-            "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => Self::U16,
-            "int" | "signed int" | "int32" | "int32_t" => Self::I32,
-            "uint" | "unsigned int" | "uint32" | "uint32_t" => Self::U32,
-            "longlong"
-            | "long long"
-            | "long long int"
-            | "signed long long"
-            | "signed long long int"
-            | "int64"
-            | "int64_t" => Self::I64,
-            "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => Self::U64,
-            "float" => Self::F32,
-            "double" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    fn n_bytes(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::I64 | Self::U64 | Self::F64 => 8,
-        }
-    }
-
-    fn number(self, item: &[u8], is_big: bool) -> f32 {
-        let mut b = [0; 8];
-        b[..item.len()].copy_from_slice(item);
-        if is_big {
-            b[..item.len()].reverse();
-        }
-        let (two, four) = ([b[0], b[1]], [b[0], b[1], b[2], b[3]]);
-        match self {
-            Self::I8 => b[0] as i8 as f32,
-            Self::U8 => b[0] as f32,
-            Self::I16 => i16::from_le_bytes(two) as f32,
-            Self::U16 => u16::from_le_bytes(two) as f32,
-            Self::I32 => i32::from_le_bytes(four) as f32,
-            Self::U32 => u32::from_le_bytes(four) as f32,
-            Self::I64 => i64::from_le_bytes(b) as f32,
-            Self::U64 => u64::from_le_bytes(b) as f32,
-            Self::F32 => f32::from_le_bytes(four),
-            Self::F64 => f64::from_le_bytes(b) as f32,
-        }
-    }
+/// How numbers of a named type are stored.
+fn kind_by_name(name: &str) -> Option<Kind> {
+    Some(match name {
+        "signed char" | "int8" | "int8_t" => Kind::I8,
+        "uchar" | "unsigned char" | "uint8" | "uint8_t" => Kind::U8,
+        "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => Kind::I16,
+        "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => Kind::U16,
+        "int" | "signed int" | "int32" | "int32_t" => Kind::I32,
+        "uint" | "unsigned int" | "uint32" | "uint32_t" => Kind::U32,
+        "longlong"
+        | "long long"
+        | "long long int"
+        | "signed long long"
+        | "signed long long int"
+        | "int64"
+        | "int64_t" => Kind::I64,
+        "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => Kind::U64,
+        "float" => Kind::F32,
+        "double" => Kind::F64,
+        _ => return None,
+    })
 }
 
 #[derive(Default)]
@@ -214,7 +169,7 @@ impl Head {
         match key.trim().to_ascii_lowercase().as_str() {
             "type" => {
                 let name = value.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase();
-                self.kind = Some(Kind::by_name(&name).ok_or_else(|| wrong("a type of numbers"))?);
+                self.kind = Some(kind_by_name(&name).ok_or_else(|| wrong("a type of numbers"))?);
             }
             "sizes" => {
                 let count = |w| integer(w).and_then(|n| u64::try_from(n).ok()).filter(|n| *n > 0);

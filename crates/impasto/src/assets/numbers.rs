@@ -38,26 +38,20 @@ impl Kind {
         matches!(self, Self::F32 | Self::F64)
     }
 
-    /// The number in `size` bytes.
+    /// The number in the first `size` bytes.
     #[inline]
     pub(super) fn number(self, bytes: &[u8], little: bool) -> f64 {
-        let mut b = [0; 8];
-        let n = self.size();
-        b[..n].copy_from_slice(&bytes[..n]);
-        if !little {
-            b[..n].reverse();
-        }
         match self {
-            Self::I8 => b[0] as i8 as f64,
-            Self::U8 => b[0] as f64,
-            Self::I16 => i16::from_le_bytes([b[0], b[1]]) as f64,
-            Self::U16 => u16::from_le_bytes([b[0], b[1]]) as f64,
-            Self::I32 => i32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f64,
-            Self::U32 => u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f64,
-            Self::I64 => i64::from_le_bytes(b) as f64,
-            Self::U64 => u64::from_le_bytes(b) as f64,
-            Self::F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f64,
-            Self::F64 => f64::from_le_bytes(b),
+            Self::I8 => bytes[0] as i8 as f64,
+            Self::U8 => bytes[0] as f64,
+            Self::I16 => i16::from_le_bytes(ordered(bytes, little)) as f64,
+            Self::U16 => u16::from_le_bytes(ordered(bytes, little)) as f64,
+            Self::I32 => i32::from_le_bytes(ordered(bytes, little)) as f64,
+            Self::U32 => u32::from_le_bytes(ordered(bytes, little)) as f64,
+            Self::I64 => i64::from_le_bytes(ordered(bytes, little)) as f64,
+            Self::U64 => u64::from_le_bytes(ordered(bytes, little)) as f64,
+            Self::F32 => f32::from_le_bytes(ordered(bytes, little)) as f64,
+            Self::F64 => f64::from_le_bytes(ordered(bytes, little)),
         }
     }
 
@@ -74,6 +68,17 @@ impl Kind {
     pub(super) fn no_values(self) -> Values {
         if self.fits_f32() { Values::F32(Vec::new()) } else { Values::F64(Vec::new()) }
     }
+}
+
+/// The first bytes, the least significant one first.
+#[inline(always)]
+fn ordered<const N: usize>(bytes: &[u8], little: bool) -> [u8; N] {
+    let mut b = [0; N];
+    b.copy_from_slice(&bytes[..N]);
+    if !little {
+        b.reverse();
+    }
+    b
 }
 
 impl Values {

@@ -7,7 +7,7 @@ use crate::lookup::{Layer, Looks, Target, Texture};
 use crate::math::Size;
 use crate::par::Workers;
 use crate::picture::render::Shot;
-use crate::placement::{self, Needs, Surfels, TexCoords};
+use crate::placement::{self, Measures, Needs, Property, Surfels, TexCoords};
 use crate::visibility::{self, BATCH_FILL, Domain, Hit, InfoBuffer};
 use fearless_simd::Fallback;
 
@@ -75,6 +75,21 @@ pub fn quantities(buffer: &InfoBuffer, domain: &Domain, shot: &Shot, workers: &W
         made.push(Quantity { name, components, values: Values::F32(values) });
     }
     made
+}
+
+/// A property's value in every cell of a buffer of one sample a cell, NaN where there is none.
+pub fn measured(property: &Property, buffer: &InfoBuffer, domain: &Domain, workers: &Workers) -> Vec<f32> {
+    let rows = each_row(buffer, domain, property.needs(), workers, |surfels, out: &mut Vec<f32>| {
+        let mut measures = Measures::default();
+        let measure = measures.of(property, domain.mesh, surfels);
+        out.extend(measure.value[..surfels.n].iter().map(|x| *x as f32));
+    });
+    let width = buffer.size.width as usize;
+    let mut values = vec![f32::NAN; buffer.size.n_cells()];
+    for (row, (columns, found)) in values.chunks_mut(width.max(1)).zip(rows) {
+        columns.into_iter().zip(found).for_each(|(x, value)| row[x as usize] = value);
+    }
+    values
 }
 
 /// Names of what [`numbers`] writes.
@@ -176,7 +191,8 @@ pub(super) fn texels_of(
                 continue;
             };
             if placed != Some(look) {
-                placement::place(&layer.placement, &layer.matrix, &domain.view, mesh, surfels, &mut coords);
+                let measures = &mut Measures::default();
+                placement::place(&layer.placement, &layer.matrix, &domain.view, mesh, surfels, measures, &mut coords);
                 placed = Some(look);
             }
             let at = (texel(coords.st[0][i], wrap[0], size.width), texel(coords.st[1][i], wrap[1], size.height));

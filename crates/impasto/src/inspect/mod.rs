@@ -8,5 +8,5 @@ pub mod channels;
 pub mod probe;
 
 pub use address::{Coding, TexelAddress};
-pub use channels::{Quantity, Values, quantities};
+pub use channels::{Quantity, Values, measured, quantities};
 pub use probe::{Found, Probe, Texel, probe};

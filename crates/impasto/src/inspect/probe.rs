@@ -7,7 +7,7 @@ use crate::lookup::{self, Look, Points, Surfaces, Texture};
 use crate::math::{Size, Vec3};
 use crate::par::Workers;
 use crate::picture::render::{self, Shot};
-use crate::placement::{self, Missing, Needs, Surfels, TexCoords, mixed};
+use crate::placement::{self, Measures, Missing, Needs, Surfels, TexCoords, mixed};
 use crate::visibility::{self, Domain, Hit, InfoBuffer, Samples, TILE};
 use fearless_simd::Fallback;
 
@@ -183,7 +183,8 @@ fn texels(look: &Look, domain: &Domain, shot: &Shot, surfels: &Surfels) -> Vec<T
     });
     images
         .map(|(layer, l, image)| {
-            placement::place(&l.placement, &l.matrix, &domain.view, domain.mesh, surfels, &mut coords);
+            let measures = &mut Measures::default();
+            placement::place(&l.placement, &l.matrix, &domain.view, domain.mesh, surfels, measures, &mut coords);
             let st = [coords.st[0][0], coords.st[1][0]];
             let size = image.size();
             let wrap = image.sampler().wrap;

@@ -6,7 +6,7 @@ use crate::lookup::Reading;
 use crate::lookup::mixing::{self, Mix};
 use crate::lookup::safe::Shades;
 use crate::lookup::tables;
-use crate::math::{self, exact};
+use crate::math::{self, BATCH, exact};
 use crate::placement::TexCoords;
 
 /// A one-dimensional texture of data: the coordinate s is the value itself.
@@ -27,6 +27,8 @@ pub struct ColorTable {
     pub above: Option<LinearRgba>,
     /// For NaN.
     pub missing: LinearRgba,
+    /// For missing values, too: lines over `missing`, so that it is taken for no value.
+    pub hatch: Option<LinearRgba>,
     /// The same colours in shadow and in light, for the second coordinate from 0 to 1; 1/2 is the table's own.
     pub shades: Option<Shades>,
 }
@@ -119,7 +121,7 @@ impl ColorTable {
         assert!(!colors.is_empty(), "a colour table needs a colour");
         let missing = [linear_from_srgb(0.9) as f32, 0.0, linear_from_srgb(0.9) as f32, 1.0];
         let (scale, filter) = (Scale::Linear, Filter::Nearest);
-        Self { colors, range, scale, filter, below: None, above: None, missing, shades: None }
+        Self { colors, range, scale, filter, below: None, above: None, missing, hatch: None, shades: None }
     }
 
     /// The table in `n` entries, from the first colour to the last: bands.
@@ -180,14 +182,27 @@ impl ColorTable {
         }
     }
 
-    pub(super) fn read(&self, at: &TexCoords, n: usize, out: &mut Reading) {
+    #[inline(always)]
+    pub(super) fn read(&self, at: &TexCoords, [columns, rows]: &[[u32; BATCH]; 2], n: usize, out: &mut Reading) {
         out.is_whole = true;
         let spread = self.spread();
-        for i in 0..n {
+        for i in 0..n.min(BATCH) {
             let color = self.in_light(spread, at.st[0][i], at.st[1][i]);
             (0..4).for_each(|c| out.rgba[c][i] = color[c]);
         }
+        let Some(line) = self.hatch else { return };
+        for i in 0..n.min(BATCH) {
+            if at.st[0][i].is_nan() && is_hatched(columns[i], rows[i]) {
+                (0..4).for_each(|c| out.rgba[c][i] = line[c]);
+            }
+        }
     }
+}
+
+/// Where lines run that fill a shape: two cells of eight, rising to the right.
+#[inline(always)]
+pub fn is_hatched(column: u32, row: u32) -> bool {
+    column.wrapping_add(row) % 8 < 2
 }
 
 /// Moreland's blue - light grey - red, interpolated in his polar form of CIE Lab (Msh).

@@ -4,13 +4,14 @@
 //! on its neighbours in the batch, its lane, or the width of the machine's vectors.
 
 use crate::assets::{AlphaMode, Mesh};
+use crate::color::{Encoding, linear_from_bytes};
 use crate::lookup::layer::{Channel, Layer, Look, Target, Texture};
 use crate::lookup::normal::{self, Bumps};
 use crate::lookup::operator::{Gate, Operator, combine_alpha, combine_color, combine_number, rules};
 use crate::lookup::read::ReadScratch;
 use crate::lookup::{BaseFormat, Looks, Reading, Surfaces};
 use crate::math::{BATCH, Lane};
-use crate::placement::{self, Placement, Surfels, TexCoords, Viewpoint};
+use crate::placement::{self, Measures, Placement, Surfels, TexCoords, Viewpoint};
 use fearless_simd::Simd;
 
 /// The points a question is about.
@@ -32,6 +33,8 @@ pub struct Scratch {
     /// The reading with its channels rearranged.
     rearranged: Reading,
     bumps: Bumps,
+    /// What layers have measured at the batch's points.
+    pub measures: Measures,
     /// 0 where an alpha test failed.
     kept: Lane,
     /// Answers of [`alpha_of`].
@@ -47,6 +50,7 @@ impl Scratch {
             reading: Reading::ZERO,
             rearranged: Reading::ZERO,
             bumps: Bumps::ZERO,
+            measures: Measures::default(),
             kept: [1.0; BATCH],
             surfaces: None,
         })
@@ -56,6 +60,19 @@ impl Scratch {
 /// What the surface is like at each point under `looks.looks[look]`.
 #[inline(always)]
 pub fn evaluate<S: Simd>(
+    simd: S,
+    (looks, look): (&Looks, usize),
+    points: Points,
+    scratch: &mut Scratch,
+    out: &mut Surfaces,
+) {
+    scratch.measures.clear();
+    evaluate_measured(simd, (looks, look), points, scratch, out);
+}
+
+/// The same when all that `scratch.measures` holds was measured at these very points: it is not measured again.
+#[inline(always)]
+pub fn evaluate_measured<S: Simd>(
     simd: S,
     (looks, look): (&Looks, usize),
     points: Points,
@@ -84,6 +101,7 @@ pub fn alpha_of<S: Simd>(
 ) {
     let look = &looks.looks[look];
     let n = points.surfels.n;
+    scratch.measures.clear();
     let mut surfaces = scratch.surfaces.take().unwrap_or_else(Surfaces::new);
     start_alpha(look, points, &mut surfaces.alpha);
     stack(simd, looks, look, points, Wanted::Alpha, scratch, &mut surfaces);
@@ -190,14 +208,14 @@ fn stack<S: Simd>(
             continue;
         }
         let is_placed = placed.is_some_and(|p| p.placement == layer.placement && p.matrix == layer.matrix);
-        if !is_placed && !place(layer, points, &mut scratch.coords) {
+        if !is_placed && !place(layer, points, &mut scratch.measures, &mut scratch.coords) {
             continue;
         }
         placed = Some(layer);
         let coords = coords(layer, points, &scratch.coords);
         let is_read = is_placed && read.is_some_and(|r| r.texture == layer.texture);
         if !is_read {
-            texture.read(simd, coords, n, &mut scratch.read, &mut scratch.reading);
+            texture.read(simd, coords, (&points.surfels.cell, n), &mut scratch.read, &mut scratch.reading);
         }
         read = Some(layer);
         if let Target::Normal { .. } | Target::Bump { .. } | Target::CoatNormal { .. } = layer.target {
@@ -207,7 +225,7 @@ fn stack<S: Simd>(
             if matches!(layer.target, Target::Bump { .. }) && !texture.holds_slopes() {
                 let mut differences =
                     Differences { texture, read: read_texture, shifted: &mut TexCoords::ZERO.clone() };
-                differences.slopes(simd, (coords, layer.channels[0]), n, reading, slopes);
+                differences.slopes(simd, (coords, layer.channels[0]), (&points.surfels.cell, n), reading, slopes);
                 normal::bump(simd, layer, (points, coords), slopes, &mut scratch.bumps, out);
             } else {
                 normal::bump(simd, layer, (points, coords), reading, &mut scratch.bumps, out);
@@ -229,13 +247,14 @@ fn stack<S: Simd>(
 }
 
 /// Fills coordinates unless the surfels hold them; false when the mesh lacks what they come from.
-fn place(layer: &Layer, points: Points, coords: &mut TexCoords) -> bool {
+fn place(layer: &Layer, points: Points, measures: &mut Measures, coords: &mut TexCoords) -> bool {
     let n_sets = points.surfels.uv.len();
     if !layer.placement.fits(points.mesh) || matches!(layer.placement, Placement::Uv(set) if set >= n_sets) {
         return false;
     }
     if layer.placement.as_uv(&layer.matrix).is_none() {
-        placement::place(&layer.placement, &layer.matrix, points.view, points.mesh, points.surfels, coords);
+        let Points { mesh, view, surfels } = points;
+        placement::place(&layer.placement, &layer.matrix, view, mesh, surfels, measures, coords);
     }
     true
 }
@@ -249,15 +268,45 @@ fn coords<'a>(layer: &Layer, points: Points<'a>, placed: &'a TexCoords) -> &'a T
 
 impl Texture {
     #[inline(always)]
-    fn read<S: Simd>(&self, simd: S, at: &TexCoords, n: usize, scratch: &mut ReadScratch, out: &mut Reading) {
+    fn read<S: Simd>(
+        &self,
+        simd: S,
+        at: &TexCoords,
+        (cell, n): (&[[u32; BATCH]; 2], usize),
+        scratch: &mut ReadScratch,
+        out: &mut Reading,
+    ) {
         match self {
             Self::Image(image) => image.read(simd, at, n, scratch, out),
-            Self::Table(table) => table.read(at, n, out),
-            Self::Isolines(isolines) => isolines.read(at, n, out),
+            Self::Table(table) => simd.vectorize(
+                #[inline(always)]
+                || table.read(at, cell, n, out),
+            ),
+            Self::Isolines(isolines) => simd.vectorize(
+                #[inline(always)]
+                || isolines.read(at, n, out),
+            ),
             Self::Filter(filter) => filter.read(at, n, out),
             Self::Procedural(procedural) => procedural.read(at, n, out),
+            Self::Carried(encoding) => read_carried(*encoding, at, n, out),
         }
     }
+}
+
+/// The coordinates as colours; missing ones are black.
+fn read_carried(encoding: Encoding, at: &TexCoords, n: usize, out: &mut Reading) {
+    out.is_whole = true;
+    let [r, ..] = &at.r;
+    for (lane, coordinate) in out.rgba.iter_mut().zip([&at.st[0], &at.st[1], r]) {
+        for i in 0..n {
+            let x = if coordinate[i] > 0.0 { coordinate[i] } else { 0.0 };
+            lane[i] = x;
+        }
+        if encoding == Encoding::Srgb {
+            lane[..n].iter_mut().for_each(|x| [*x, ..] = linear_from_bytes([(*x * 255.0 + 0.5) as u8, 0, 0]));
+        }
+    }
+    out.rgba[3][..n].fill(1.0);
 }
 
 /// Numbers of a texture that stand for heights, read three times to find their slopes.
@@ -273,7 +322,7 @@ impl Differences<'_> {
         &mut self,
         simd: S,
         (at, channel): (&TexCoords, Channel),
-        n: usize,
+        (cell, n): (&[[u32; BATCH]; 2], usize),
         here: &Reading,
         out: &mut Reading,
     ) {
@@ -290,7 +339,7 @@ impl Differences<'_> {
                 steps[i] = if step > 1.0 / 1024.0 && step < 1e6 { step } else { 1.0 / 1024.0 };
                 self.shifted.st[axis][i] += steps[i];
             }
-            self.texture.read(simd, self.shifted, n, self.read, &mut there);
+            self.texture.read(simd, self.shifted, (cell, n), self.read, &mut there);
             for i in 0..n {
                 out.rgba[axis][i] = (chosen(channel, &there, i) - chosen(channel, here, i)) / steps[i];
             }

@@ -5,6 +5,7 @@
 
 use crate::color::LinearRgba;
 use crate::lookup::Reading;
+use crate::math::{BATCH, floor};
 use crate::placement::TexCoords;
 
 /// A texture of lines: s is the value. Colour of the line, and how much of the cell it covers as alpha.
@@ -42,34 +43,6 @@ pub enum Levels {
 }
 
 impl Levels {
-    /// The level nearest to a value, and its number.
-    #[inline(always)]
-    fn nearest(&self, value: f32) -> Option<(f32, i64)> {
-        match self {
-            Self::Steps { step, offset } => {
-                let k = crate::math::floor((value - offset) / step + 0.5);
-                Some((k * step + offset, k as i64))
-            }
-            Self::List(levels) => {
-                let after = levels.partition_point(|l| *l < value);
-                let far = |i: usize| (levels[i] - value).abs();
-                let i = match (after.checked_sub(1), after < levels.len()) {
-                    (Some(before), true) => {
-                        if far(before) <= far(after) {
-                            before
-                        } else {
-                            after
-                        }
-                    }
-                    (Some(before), false) => before,
-                    (None, true) => after,
-                    (None, false) => return None,
-                };
-                Some((levels[i], i as i64))
-            }
-        }
-    }
-
     /// All levels within a range, at most `limit`, for legends and labels.
     pub fn within(&self, [a, b]: [f64; 2], limit: usize) -> Vec<f64> {
         let (low, high) = (a.min(b), a.max(b));
@@ -90,40 +63,59 @@ impl Levels {
     }
 }
 
-impl Isolines {
-    /// The line that stands for a level's number.
-    #[inline(always)]
-    fn line(&self, number: i64) -> &Line {
-        match &self.major {
-            Some((every, line)) if number.rem_euclid((*every).max(1) as i64) == 0 => line,
-            _ => &self.minor,
-        }
-    }
+/// The level of a list that is nearest to a value, the lower one of two, and its number.
+fn nearest(levels: &[f32], value: f32) -> Option<(f32, usize)> {
+    let after = levels.partition_point(|l| *l < value);
+    let far = |i: usize| (levels[i] - value).abs();
+    let i = match after.checked_sub(1) {
+        Some(before) if after == levels.len() || far(before) <= far(after) => before,
+        _ => after,
+    };
+    levels.get(i).map(|level| (*level, i))
+}
 
+impl Isolines {
+    #[inline(always)]
     pub(super) fn read(&self, at: &TexCoords, n: usize, out: &mut Reading) {
         out.is_whole = true;
-        for i in 0..n {
-            let value = at.st[0][i];
-            let (dx, dy) = (at.d_dx[0][i], at.d_dy[0][i]);
-            let slope = (dx * dx + dy * dy).sqrt();
-            let mut color = [0.0; 4];
-            // Where the value does not change there is no line, whatever it is: a plateau is no flood.
-            if slope > 0.0
-                && value.is_finite()
-                && let Some((level, number)) = self.levels.nearest(value)
-            {
-                let line = self.line(number);
-                let distance = (value - level).abs() / slope;
-                let cover = 0.5 * line.width + 0.5 - distance;
-                let cover = if cover < line.width { cover } else { line.width };
-                let cover = if cover < 1.0 { cover } else { 1.0 };
-                if cover > 0.0 {
-                    color = line.color;
-                    color[3] *= cover;
+        let n = n.min(BATCH);
+        let (every, major) = self.major.map_or((1, self.minor), |(every, line)| (every.max(1), line));
+        let lines = [self.minor, major];
+        match &self.levels {
+            Levels::Steps { step, offset } => {
+                for i in 0..n {
+                    let number = floor((at.st[0][i] - offset) / step + 0.5);
+                    let is_major = number - floor(number / every as f32) * every as f32 == 0.0;
+                    draw(&lines, is_major, number * step + offset, (at, i), out);
                 }
             }
-            (0..4).for_each(|c| out.rgba[c][i] = color[c]);
+            Levels::List(levels) => {
+                for i in 0..n {
+                    // Of no levels at all, none is near.
+                    let (level, number) = nearest(levels, at.st[0][i]).unwrap_or((f32::NAN, 0));
+                    draw(&lines, number.is_multiple_of(every as usize), level, (at, i), out);
+                }
+            }
         }
+    }
+}
+
+/// The line at a level, where it covers a part of cell `i`. Without branches: it is many cells' way at once.
+#[inline(always)]
+fn draw([minor, major]: &[Line; 2], is_major: bool, level: f32, (at, i): (&TexCoords, usize), out: &mut Reading) {
+    let width = if is_major { major.width } else { minor.width };
+    let (dx, dy) = (at.d_dx[0][i], at.d_dy[0][i]);
+    let slope = (dx * dx + dy * dy).sqrt();
+    let distance = (at.st[0][i] - level).abs() / slope;
+    let cover = 0.5 * width + 0.5 - distance;
+    let cover = if cover < width { cover } else { width };
+    let cover = if cover < 1.0 { cover } else { 1.0 };
+    // Where the value does not change there is no line, whatever it is: a plateau is no flood. What is missing has none.
+    let is_there = (slope > 0.0) & (distance < f32::INFINITY) & (cover > 0.0);
+    for c in 0..4 {
+        let color = if is_major { major.color[c] } else { minor.color[c] };
+        let color = if c == 3 { color * cover } else { color };
+        out.rgba[c][i] = if is_there { color } else { 0.0 };
     }
 }
 
@@ -174,12 +166,12 @@ mod tests {
     #[test]
     fn levels_may_be_listed() {
         let levels = Levels::List(vec![1.0, 2.0, 4.0]);
-        assert_eq!(
-            [0.0, 1.4, 1.6, 3.1, 9.0].map(|v| levels.nearest(v).map(|l| l.0)),
-            [1.0, 1.0, 2.0, 4.0, 4.0].map(Some)
-        );
+        let Levels::List(list) = &levels else { panic!("a list") };
+        let near = [0.0, 1.4, 1.6, 3.1, 9.0].map(|v| nearest(list, v));
+        assert_eq!(near, [(1.0, 0), (1.0, 0), (2.0, 1), (4.0, 2), (4.0, 2)].map(Some));
         assert_eq!(levels.within([1.5, 5.0], 9), [2.0, 4.0]);
         assert_eq!(Levels::Steps { step: 0.5, offset: 0.25 }.within([1.0, -0.3], 9), [-0.25, 0.25, 0.75]);
-        assert!(Levels::List(Vec::new()).nearest(1.0).is_none());
+        assert!(nearest(&[], 1.0).is_none());
+        assert_eq!(along(&lines(Levels::List(Vec::new())), 1.0, 9), [0.0; 9]);
     }
 }

@@ -1,7 +1,7 @@
 //! A surface's look: constants, and a stack of layers that change them, the first layer first.
 
 use crate::assets::AlphaMode;
-use crate::color::{LinearRgb, LinearRgba};
+use crate::color::{Encoding, LinearRgb, LinearRgba};
 use crate::lookup::operator::{AlphaRule, Operator, rules};
 use crate::lookup::{BaseFormat, ColorTable, Filter, ImageTexture, Isolines, Procedural, Shading};
 use crate::math::Mat4;
@@ -111,6 +111,8 @@ pub enum Texture {
     Filter(Filter),
     /// A formula.
     Procedural(Procedural),
+    /// Colours that the surface carries as data: red, green and blue are s, t and r, linear or sRGB in steps of 1/255.
+    Carried(Encoding),
 }
 
 impl Texture {
@@ -119,6 +121,7 @@ impl Texture {
         match self {
             Self::Image(image) => image.format(),
             Self::Table(_) | Self::Isolines(_) | Self::Filter(_) | Self::Procedural(_) => BaseFormat::Rgba,
+            Self::Carried(_) => BaseFormat::Rgb,
         }
     }
 }

@@ -1,11 +1,12 @@
 //! All looks of a scene with their textures, and how materials become stacks of layers.
 
-use crate::assets::{Material, Sampler, Scene, TextureImage, TextureRef, UvTransform};
+use crate::assets::{Element, Field, Material, Mesh, Sampler, Scene, TextureImage, TextureRef, UvTransform};
+use crate::color::Encoding;
 use crate::lookup::layer::{Channel, Constants, Layer, Look, Target, Texture, TextureId};
 use crate::lookup::operator::Operator;
 use crate::lookup::{ImageTexture, Prepare, Shading, Usage};
 use crate::math::{Mat4, vec4};
-use crate::placement::{Needs, Placement};
+use crate::placement::{Missing, Needs, Placement, Property, PropertyAxis};
 
 /// Textures, the looks that read them, and which part of the mesh has which look.
 #[derive(Clone, Debug, Default)]
@@ -41,8 +42,33 @@ impl Looks {
         }
         made.looks.push(clay);
         let of_part = |material: Option<u32>| material.map_or(last, |m| (m as usize).min(last)) as u32;
+        if let Some(layer) = made.carried(&scene.mesh) {
+            for look in &mut made.looks {
+                look.layers.insert(0, layer.clone());
+                look.uses_vertex_colors = false;
+            }
+        }
         made.look_of_part = scene.mesh.parts().iter().map(|part| of_part(part.material)).collect();
         made
+    }
+
+    /// Colours of faces as PLY files have them - fields red, green and blue, 0 to 255 - where vertices have none of their own,
+    /// or all the same.
+    fn carried(&mut self, mesh: &Mesh) -> Option<Layer> {
+        if mesh.colors().windows(2).any(|pair| pair[0] != pair[1]) {
+            return None;
+        }
+        let fields = mesh.fields();
+        let axis = |name: &str| {
+            let is_meant = |f: &Field| f.element == Element::Face && f.n_components == 1 && f.name == name;
+            let field = fields.iter().position(is_meant)?;
+            let property = Property::Field { field, component: Some(0), missing: Missing::Nearest };
+            Some(PropertyAxis::over(property, [0.0, 255.0]))
+        };
+        let axes = [Some(axis("red")?), Some(axis("green")?), Some(axis("blue")?)];
+        let texture = self.add(Texture::Carried(Encoding::Srgb));
+        let placement = Placement::Property { axes };
+        Some(Layer { placement, ..Layer::new(texture, Operator::Replace, Target::Color) })
     }
 
     /// Adds a texture.

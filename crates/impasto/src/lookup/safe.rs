@@ -93,14 +93,15 @@ fn farthest(labs: &[Lab], i: usize, direction: Lab, sign: f64) -> f64 {
         is_shown
             && [0.5, 1.0].iter().all(|share| {
                 let lab = lab_from_linear(std::array::from_fn(|k| (own[k] + (there[k] - own[k]) * share).max(0.0)));
-                let distance = |j: usize| {
-                    let d = minus(labs[j], lab);
+                let distance = |other: &Lab| {
+                    let d = minus(*other, lab);
                     dot(d, d)
                 };
-                let limit = (i.saturating_sub(tolerance)..=(i + tolerance).min(labs.len() - 1))
-                    .map(distance)
-                    .fold(f64::INFINITY, f64::min);
-                (0..labs.len()).all(|j| j.abs_diff(i) <= tolerance || distance(j) > limit)
+                let near = i.saturating_sub(tolerance)..(i + tolerance + 1).min(labs.len());
+                let limit = labs[near.clone()].iter().map(distance).fold(f64::INFINITY, f64::min);
+                // Without a branch for each: nearly all of them are far.
+                let is_far = |others: &[Lab]| others.iter().fold(true, |all, other| all & (distance(other) > limit));
+                is_far(&labs[..near.start]) && is_far(&labs[near.end..])
             })
     };
     let (mut good, mut bad) = (0.0, FARTHEST);

@@ -3,6 +3,7 @@
 //! Sizes follow the picture's: text is a 45th of its height, the bar 60 % of it. Nothing is written over anything else.
 
 use crate::color::{LinearRgb, LinearRgba, linear_from_bytes};
+use crate::lookup::is_hatched;
 use crate::math::{Size, Vec2, vec2};
 use crate::picture::drawing::{Align, Direction, Drawing, Item, Rect, Text};
 use crate::picture::font::{self, Weight};
@@ -87,6 +88,8 @@ pub struct LegendSpec {
     pub above: Option<LinearRgba>,
     /// The colour of what has no value, if there is such.
     pub missing: Option<LinearRgba>,
+    /// Of lines over it.
+    pub hatch: Option<LinearRgba>,
     /// How much has no value, from 0 to 1.
     pub missing_share: f64,
     /// How large and small numbers are written.
@@ -124,6 +127,7 @@ impl LegendSpec {
             below: None,
             above: None,
             missing: None,
+            hatch: None,
             missing_share: 0.0,
             notation: Notation::Auto,
             theme: Theme::Light,
@@ -172,6 +176,8 @@ pub struct LegendLayout {
     pub drawing: Drawing,
     /// How many pixels at the legend's side the picture keeps clear: columns, or rows at the bottom.
     pub width: u32,
+    /// Its side.
+    pub position: Position,
 }
 
 /// Where a legend stands in a picture, and how much room it takes there.
@@ -215,6 +221,9 @@ impl Sizes {
     }
 }
 
+/// A colour, and that of lines over it.
+pub(super) type Fill = (LinearRgba, Option<LinearRgba>);
+
 /// Items about an origin, and the room they take.
 #[derive(Default)]
 pub(super) struct Block {
@@ -244,7 +253,7 @@ impl Block {
         };
         let width = ((width + 2.0 * margin) as u32).min(side);
         let by = (corner - self.bounds.min).floor();
-        LegendLayout { drawing: Drawing { size: picture, items: self.moved(by) }, width }
+        LegendLayout { drawing: Drawing { size: picture, items: self.moved(by) }, width, position }
     }
 
     /// Placed on a sheet of its own.
@@ -278,7 +287,7 @@ impl Block {
         let y = self.header(spec, &ticks, sizes, [room_for_text, most_lines as f32]);
         let mut y = if y > 0.0 { y + (0.5 * text).round() } else { y };
         if let Some(color) = spec.above {
-            self.swatch(Rect::new(0.0, y, width, swatch), color, &beyond(spec, true), spec.theme, sizes);
+            self.swatch(Rect::new(0.0, y, width, swatch), (color, None), &beyond(spec, true), spec.theme, sizes);
             y += swatch + apart;
         }
         let bar = Rect::new(0.0, y, width, length);
@@ -286,11 +295,12 @@ impl Block {
         self.marks_at_right(bar, &ticks, spec, sizes);
         y += length + apart;
         if let Some(color) = spec.below {
-            self.swatch(Rect::new(0.0, y, width, swatch), color, &beyond(spec, false), spec.theme, sizes);
+            self.swatch(Rect::new(0.0, y, width, swatch), (color, None), &beyond(spec, false), spec.theme, sizes);
             y += swatch + apart;
         }
         if let Some(color) = spec.missing {
-            self.swatch(Rect::new(0.0, y, width, swatch), color, &no_value(spec.missing_share), spec.theme, sizes);
+            let label = no_value(spec.missing_share);
+            self.swatch(Rect::new(0.0, y, width, swatch), (color, spec.hatch), &label, spec.theme, sizes);
         }
     }
 
@@ -301,10 +311,10 @@ impl Block {
         let mut length = (0.6 * picture.width as f32).round();
         let label_width = |s: &str| font::width(s, text, Weight::Regular) + sizes.tick + gap;
         // Swatches with their remarks stand in a row on the right of the bar and its last number.
-        let swatches: Vec<(LinearRgba, String)> = [
-            spec.below.map(|c| (c, beyond(spec, false))),
-            spec.above.map(|c| (c, beyond(spec, true))),
-            spec.missing.map(|c| (c, no_value(spec.missing_share))),
+        let swatches: Vec<(Fill, String)> = [
+            spec.below.map(|c| ((c, None), beyond(spec, false))),
+            spec.above.map(|c| ((c, None), beyond(spec, true))),
+            spec.missing.map(|c| ((c, spec.hatch), no_value(spec.missing_share))),
         ]
         .into_iter()
         .flatten()
@@ -320,8 +330,8 @@ impl Block {
         let below_numbers = y + height + sizes.tick + gap + text + gap;
         let fits_beside = length + 2.0 * text + needed <= free;
         let (mut x, y) = if fits_beside { (length + 2.0 * text, y) } else { (0.0, below_numbers) };
-        for (color, label) in swatches {
-            self.swatch(Rect::new(x, y, height, height), color, &label, spec.theme, sizes);
+        for (fill, label) in swatches {
+            self.swatch(Rect::new(x, y, height, height), fill, &label, spec.theme, sizes);
             x += height + label_width(&label) + 2.0 * gap;
         }
     }
@@ -447,9 +457,16 @@ impl Block {
     }
 
     /// A framed colour with a remark on its right.
-    pub(super) fn swatch(&mut self, rect: Rect, color: LinearRgba, label: &str, theme: Theme, sizes: &Sizes) {
+    pub(super) fn swatch(&mut self, rect: Rect, (color, hatch): Fill, label: &str, theme: Theme, sizes: &Sizes) {
         self.checkers(rect, &[color], sizes);
         self.items.push(Item::Rect { rect, color });
+        if let Some(line) = hatch {
+            let [n_columns, n_rows] = [rect.width(), rect.height()].map(|x| x as u32);
+            let clear = [line[0], line[1], line[2], 0.0];
+            let color = |i: u32| if is_hatched(i % n_columns, i / n_columns) { line } else { clear };
+            let colors = (0..n_columns * n_rows).map(color).collect();
+            self.items.push(Item::Block { rect, n_columns: n_columns as usize, colors });
+        }
         self.frame(rect, theme, sizes);
         let x = rect.max.x + sizes.hairline + sizes.tick + sizes.gap;
         let at = vec2(x, 0.5 * (rect.min.y + rect.max.y));

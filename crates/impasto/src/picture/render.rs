@@ -19,6 +19,10 @@ use fearless_simd::{dispatch, mask32x8, prelude::*, u32x8};
 use std::ops::{Deref, DerefMut};
 use std::sync::Mutex;
 
+mod still;
+
+pub use still::Still;
+
 /// All that a picture depends on besides where surfaces are seen, which a [`Domain`] says.
 pub struct Shot<'a> {
     /// What surfaces look like.
@@ -77,14 +81,17 @@ impl Renderer {
         picture: &mut [T],
         finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
     ) -> Shortfall {
-        self.each_tile(domain, shot, workers, picture, finish, |index, shader| {
-            let Room { tile, alpha, .. } = &mut *shader.room;
-            let mut test = |id, places: &Places| alpha_test((domain, shot, workers), alpha, id, places);
-            self.tiles.rasterize(index, Some(&mut test as &mut AlphaTest), workers, tile);
-            let tile = std::mem::take(tile);
-            shader.shade(&tile);
-            shader.room.tile = tile;
-        })
+        self.each_tile(domain, shot, workers, picture, finish, |index, shader| self.shade_tile(index, shader))
+    }
+
+    fn shade_tile(&self, index: usize, shader: &mut Shader) {
+        let (domain, shot, workers) = (shader.domain, shader.shot, shader.workers);
+        let Room { tile, alpha, .. } = &mut *shader.room;
+        let mut test = |id, places: &Places| alpha_test((domain, shot, workers), alpha, id, places);
+        self.tiles.rasterize(index, Some(&mut test as &mut AlphaTest), workers, tile);
+        let tile = std::mem::take(tile);
+        shader.shade(&tile);
+        shader.room.tile = tile;
     }
 
     /// Shades an information buffer again, for other textures, lights or layers: only triangles that are seen are looked at.
@@ -183,6 +190,20 @@ impl Waiting {
         self.samples[self.n] = samples;
         self.n += 1;
     }
+
+    /// Tells surfels where they are, in a tile with this first cell.
+    #[inline(always)]
+    fn place(&self, origin: [u32; 2], surfels: &mut Surfels) {
+        let n = self.n;
+        surfels.n = n;
+        surfels.triangle[..n].copy_from_slice(&self.triangle[..n]);
+        for (x, cell) in surfels.cell[0][..n].iter_mut().zip(&self.cell) {
+            *x = origin[0] + cell % TILE as u32;
+        }
+        for (y, cell) in surfels.cell[1][..n].iter_mut().zip(&self.cell) {
+            *y = origin[1] + cell / TILE as u32;
+        }
+    }
 }
 
 /// Cells that are gathered together.
@@ -232,13 +253,18 @@ struct Shader<'a> {
     needs: Vec<Needs>,
     room: Loan<'a>,
     truncated: bool,
+    /// The batches of the tile, for a picture that stands still.
+    recorded: Option<Vec<still::Patch>>,
+}
+
+/// How light meets a look.
+fn shading(shot: &Shot, look: usize) -> Shading {
+    if shot.unlit { Shading::Unlit } else { shot.looks.looks[look].shading }
 }
 
 /// What a look and its light read of surfels.
 pub fn needs(shot: &Shot, look: usize) -> Needs {
-    let look = &shot.looks.looks[look];
-    let shading = if shot.unlit { Shading::Unlit } else { look.shading };
-    look.needs().or(picture::needs(shading, shot.lighting))
+    shot.looks.looks[look].needs().or(picture::needs(shading(shot, look), shot.lighting))
 }
 
 impl<'a> Shader<'a> {
@@ -250,27 +276,32 @@ impl<'a> Shader<'a> {
         room.waiting.resize_with(n_looks, || Waiting::EMPTY);
         room.light.resize(TILE * TILE, [0.0; 4]);
         let needs = (0..n_looks).map(|look| needs(shot, look)).collect();
-        Self { domain, shot, workers, needs, room, truncated: false }
+        Self { domain, shot, workers, needs, room, truncated: false, recorded: None }
     }
 
     /// Fills `light` with what the tile's cells send towards the eye.
     fn shade(&mut self, tile: &Tile) {
         self.truncated = tile.truncated;
-        if !self.room.is_dark {
-            self.room.light.fill([0.0; 4]);
-        }
-        self.room.is_dark = !tile.touched;
+        self.start(tile.touched, tile.n_layers > 0);
         if !tile.touched {
             return;
-        }
-        self.room.through.clear();
-        if tile.n_layers > 0 {
-            self.room.through.resize(TILE * TILE * self.shot.samples.n(), 1.0);
         }
         for layer in &tile.layers[..tile.n_layers] {
             self.layer(tile, layer);
         }
         self.layer(tile, &tile.solid);
+    }
+
+    /// A dark tile, and nothing in the way of its light.
+    fn start(&mut self, touched: bool, has_layers: bool) {
+        if !self.room.is_dark {
+            self.room.light.fill([0.0; 4]);
+        }
+        self.room.is_dark = !touched;
+        self.room.through.clear();
+        if has_layers {
+            self.room.through.resize(TILE * TILE * self.shot.samples.n(), 1.0);
+        }
     }
 
     fn layer(&mut self, tile: &Tile, layer: &Layer) {
@@ -361,18 +392,10 @@ impl<'a> Shader<'a> {
         if waiting.n == 0 {
             return;
         }
-        let n = waiting.n;
-        let surfels = &mut batch.surfels;
-        surfels.n = n;
-        surfels.triangle[..n].copy_from_slice(&waiting.triangle[..n]);
-        for (x, cell) in surfels.cell[0][..n].iter_mut().zip(&waiting.cell) {
-            *x = tile.origin[0] + cell % TILE as u32;
-        }
-        for (y, cell) in surfels.cell[1][..n].iter_mut().zip(&waiting.cell) {
-            *y = tile.origin[1] + cell / TILE as u32;
-        }
+        waiting.place(tile.origin, &mut batch.surfels);
         let (domain, shot, needs) = (self.domain, self.shot, self.needs[look]);
         dispatch!(self.workers.level(), simd => look_and_light(simd, domain, shot, look, needs, batch));
+        self.keep(look);
         self.composite(look);
         self.room.waiting[look].n = 0;
     }
@@ -446,8 +469,7 @@ fn look_and_light<S: Simd>(simd: S, domain: &Domain, shot: &Shot, look: usize, n
     visibility::fill(simd, domain, needs, &CENTER, surfels);
     let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
     lookup::evaluate(simd, (shot.looks, look), points, scratch, surfaces);
-    let shading = if shot.unlit { Shading::Unlit } else { shot.looks.looks[look].shading };
-    picture::shade(simd, shading, shot.lighting, surfels, surfaces, light);
+    picture::shade(simd, shading(shot, look), shot.lighting, surfels, surfaces, light);
 }
 
 /// Which look a triangle has; remembers the last part, for triangles come in runs.

@@ -34,6 +34,8 @@ pub struct SwatchSpec {
     pub colors: Vec<LinearRgba>,
     /// The colour of what has no value, if there is such.
     pub missing: Option<LinearRgba>,
+    /// Of lines over it.
+    pub hatch: Option<LinearRgba>,
     /// How much has no value, from 0 to 1.
     pub missing_share: f64,
     /// On what ground it stands.
@@ -48,7 +50,7 @@ impl SwatchSpec {
         let at = |i: usize| (i as f32 + 0.5) / n as f32;
         let colors = (0..n * n).map(|i| color(at(i % n), at(i / n))).collect();
         let (theme, position) = (Theme::Light, Position::Right);
-        Self { axes, n_columns: n, colors, missing: None, missing_share: 0.0, theme, position }
+        Self { axes, n_columns: n, colors, missing: None, hatch: None, missing_share: 0.0, theme, position }
     }
 }
 
@@ -98,7 +100,7 @@ fn block(spec: &SwatchSpec, picture: Size, sizes: &Sizes) -> Block {
     if let Some(color) = spec.missing {
         let y = baseline - (font::CAP_HEIGHT * sizes.text).round() + sizes.gap;
         let rect = Rect::new(0.0, y, (sizes.text * 1.2).round(), (sizes.text * 0.95).round());
-        block.swatch(rect, color, &no_value(spec.missing_share), spec.theme, sizes);
+        block.swatch(rect, (color, spec.hatch), &no_value(spec.missing_share), spec.theme, sizes);
     }
     block
 }

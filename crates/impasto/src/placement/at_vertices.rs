@@ -2,7 +2,7 @@
 
 use crate::assets::{Mesh, UvSet};
 use crate::math::{BATCH, Mat4, Vec2};
-use crate::placement::{Placement, Surfels, TexCoords, Viewpoint, place};
+use crate::placement::{Measures, Placement, Surfels, TexCoords, Viewpoint, place};
 
 /// Any placement, evaluated at the vertices: a UV set. Coordinates that jump within a triangle smear there; [`place`]
 /// has no such fault. Vertices without a triangle get (0, 0), as do coordinates that are missing.
@@ -47,7 +47,7 @@ pub(super) fn coordinates(placement: &Placement, matrix: &Mat4, view: &Viewpoint
                 (surfels.uv[set].st[0][i], surfels.uv[set].st[1][i]) = (uv.uv[v].x, uv.uv[v].y);
             }
         }
-        place(placement, matrix, view, mesh, &surfels, &mut coords);
+        place(placement, matrix, view, mesh, &surfels, &mut Measures::default(), &mut coords);
         for (i, &v) in batch.iter().enumerate() {
             out[v] = [coords.st[0][i], coords.st[1][i], coords.r[0][i]];
         }

@@ -5,11 +5,11 @@
 //! coordinate jumps - at the back of a cylinder, between the sides of a box: the jump has no derivative, and the texels
 //! on either side are filtered as if it were not there.
 
-use crate::assets::{Element, Field, Mesh};
+use crate::assets::Mesh;
 use crate::math::{BATCH, Lane, Mat3, Mat4, Vec3};
 use crate::placement::number::{Dual, Number, Vector, affine, stretched};
 use crate::placement::rules::{Local, Point, Rule, Visitor, box_side, resolve, rows};
-use crate::placement::{FieldAxis, GridAxis, Missing, Needs, Placement, Projector, Surfels, TexCoords, Viewpoint};
+use crate::placement::{Measures, Needs, Placement, Projector, PropertyAxis, Surfels, TexCoords, Viewpoint};
 
 /// Beyond this many texture widths f32 has no texel left; keeps infinities away from the samplers.
 const FARTHEST: f32 = (1 << 30) as f32;
@@ -17,28 +17,29 @@ const FARTHEST: f32 = (1 << 30) as f32;
 /// Where on the texture the surfels are: `matrix * (s, t, r, 1)` of the placement, divided by its fourth component.
 ///
 /// Reads the lanes that [`Placement::needs`] names. Fills s, t, r and their changes for the valid cells of `out`; the
-/// numbers are finite, but for missing values of a field (NaN, with footprint 0). A UV set or field that is not there
-/// gives 0 ([`Placement::fits`] tells).
+/// numbers are finite, but for missing values of a property (NaN, with footprint 0). A UV set or field that is not there
+/// gives 0 ([`Placement::fits`] tells). Properties that `measures` holds of these surfels are not measured again; it must
+/// not hold those of others.
 pub fn place(
     placement: &Placement,
     matrix: &Mat4,
     view: &Viewpoint,
     mesh: &Mesh,
     surfels: &Surfels,
+    measures: &mut Measures,
     out: &mut TexCoords,
 ) {
     match placement {
         Placement::Uv(set) => copy_uv(*set, surfels, out),
-        Placement::Field { axes } => read_fields(axes, mesh, surfels, out),
-        Placement::FieldInLight { axis, toward } => {
-            read_fields(&[Some(*axis), None, None], mesh, surfels, out);
-            read_light(*toward, view, surfels, out);
-        }
-        Placement::Grid { axis, toward } => {
-            read_grid(axis, mesh, surfels, out);
-            if let Some(toward) = toward {
-                read_light(*toward, view, surfels, out);
+        Placement::Property { axes } => {
+            for (k, axis) in axes.iter().enumerate() {
+                read_property(axis.as_ref(), k, mesh, surfels, measures, out);
             }
+        }
+        Placement::PropertyInLight { axis, toward } => {
+            read_property(Some(axis), 0, mesh, surfels, measures, out);
+            read_property(None, 2, mesh, surfels, measures, out);
+            read_light(*toward, view, surfels, out);
         }
         _ => {
             let visitor = Fill { needs: placement.needs(), mesh, surfels, out };
@@ -62,7 +63,7 @@ pub fn place_per_vertex(
     let mut coords: [TexCoords; 3] = [TexCoords::ZERO; 3];
     for c in 0..3 {
         stand_on_corner(c, mesh, surfels, &mut corner);
-        place(placement, matrix, view, mesh, &corner, &mut coords[c]);
+        place(placement, matrix, view, mesh, &corner, &mut Measures::default(), &mut coords[c]);
     }
     for i in 0..surfels.n {
         let blended = |k: usize| {
@@ -148,16 +149,16 @@ impl Visitor for Fill<'_> {
 }
 
 /// How positions and normals change from cell to cell: `[x|y][component]`.
-struct Motion {
+pub(super) struct Motion {
     position: [[Lane; 3]; 2],
     normal: [[Lane; 3]; 2],
 }
 
 impl Motion {
-    const STILL: Self = Self { position: [[[0.0; BATCH]; 3]; 2], normal: [[[0.0; BATCH]; 3]; 2] };
+    pub(super) const STILL: Self = Self { position: [[[0.0; BATCH]; 3]; 2], normal: [[[0.0; BATCH]; 3]; 2] };
 
     /// From the corners of each cell's triangle. A pass of its own: it reads here and there, the rule then does not.
-    fn gather(&mut self, needs: Needs, mesh: &Mesh, surfels: &Surfels) {
+    pub(super) fn gather(&mut self, needs: Needs, mesh: &Mesh, surfels: &Surfels) {
         for i in 0..surfels.n.min(BATCH) {
             let corners = mesh.triangles()[surfels.triangle[i] as usize].map(|v| v as usize);
             if needs.position {
@@ -190,7 +191,7 @@ impl Motion {
     }
 
     #[inline(always)]
-    fn position_at(&self, surfels: &Surfels, i: usize) -> Vector<Dual> {
+    pub(super) fn position_at(&self, surfels: &Surfels, i: usize) -> Vector<Dual> {
         [0, 1, 2].map(|k: usize| Dual {
             value: surfels.position[k][i],
             dx: self.position[0][k][i],
@@ -199,7 +200,7 @@ impl Motion {
     }
 
     #[inline(always)]
-    fn normal_at(&self, surfels: &Surfels, i: usize) -> Vector<Dual> {
+    pub(super) fn normal_at(&self, surfels: &Surfels, i: usize) -> Vector<Dual> {
         [0, 1, 2].map(|k: usize| Dual {
             value: surfels.normal[k][i],
             dx: self.normal[0][k][i],
@@ -278,89 +279,35 @@ fn store_missing(out: &mut TexCoords, i: usize, st: Vector<Dual>) {
     }
 }
 
-fn read_fields(axes: &[Option<FieldAxis>; 3], mesh: &Mesh, surfels: &Surfels, out: &mut TexCoords) {
-    for i in 0..surfels.n {
-        let st = axes.map(|axis| match axis {
-            None => Dual::constant(0.5),
-            Some(axis) => mesh.fields().get(axis.field).map_or(Dual::ZERO, |f| field_at(&axis, f, mesh, surfels, i)),
-        });
-        store_missing(out, i, st);
-    }
-}
-
-/// The grid at each cell's point, with the slope of its values along the way to the next cell.
-fn read_grid(axis: &GridAxis, mesh: &Mesh, surfels: &Surfels, out: &mut TexCoords) {
-    let mut motion = Motion::STILL;
-    let is_off = axis.distance != 0.0;
-    motion.gather(Needs { position: true, normal: is_off, ..Needs::default() }, mesh, surfels);
-    for i in 0..surfels.n.min(BATCH) {
-        let mut place = motion.position_at(surfels, i);
-        if is_off {
-            let normal = motion.normal_at(surfels, i);
-            place = [0, 1, 2].map(|k: usize| place[k] + normal[k].times(axis.distance));
-        }
-        let [x, y, z] = place;
-        let (value, slope) = axis.grid.sample_with_slope(Vec3::new(x.value, y.value, z.value));
-        let change = |dx: f32, dy: f32, dz: f32| {
-            let change = dx as f64 * slope.x as f64 + dy as f64 * slope.y as f64 + dz as f64 * slope.z as f64;
-            (change * axis.scale) as f32
-        };
-        let value = (value as f64 * axis.scale + axis.offset) as f32;
-        let s = Dual { value, dx: change(x.dx, y.dx, z.dx), dy: change(x.dy, y.dy, z.dy) };
-        store_missing(out, i, [s, Dual::constant(0.5), Dual::constant(0.5)]);
-    }
-}
-
-/// The field at one cell; in f64 until scale and offset have brought it near [0, 1].
-fn field_at(axis: &FieldAxis, field: &Field, mesh: &Mesh, surfels: &Surfels, i: usize) -> Dual {
-    let triangle = surfels.triangle[i] as usize;
-    let value = |element: usize| {
-        let number = |k: usize| field.values.at(element * field.n_components + k);
-        let x = match axis.component {
-            Some(component) if component < field.n_components => number(component),
-            Some(_) => f64::NAN,
-            None => (0..field.n_components).fold(0.0, |sum, k| sum + number(k) * number(k)).sqrt(),
-        };
-        // Nothing can be told of what lies between a number and infinity: it counts as missing.
-        if x.is_finite() { x * axis.scale + axis.offset } else { f64::NAN }
+/// A property as coordinate `k`, 0 for s to 2 for r; without one, the middle. In f64 until scale and offset have brought it
+/// near [0, 1].
+fn read_property(
+    axis: Option<&PropertyAxis>,
+    k: usize,
+    mesh: &Mesh,
+    surfels: &Surfels,
+    measures: &mut Measures,
+    out: &mut TexCoords,
+) {
+    let n = surfels.n.min(BATCH);
+    let [r, r_dx, r_dy] = &mut out.r;
+    let (value, dx, dy) = match k {
+        2 => (r, r_dx, r_dy),
+        _ => (&mut out.st[k], &mut out.d_dx[k], &mut out.d_dy[k]),
     };
-    let corners = match field.element {
-        Element::Face => return Dual::constant(value(triangle) as f32),
-        Element::Vertex => mesh.triangles()[triangle].map(|v| v as usize),
-        Element::Corner => [0, 1, 2].map(|c| triangle * 3 + c),
+    let Some(PropertyAxis { property, scale, offset }) = axis else {
+        value[..n].fill(0.5);
+        dx[..n].fill(0.0);
+        dy[..n].fill(0.0);
+        return;
     };
-    let values = corners.map(value);
-    let (b1, b2) = (surfels.barycentric[0][i] as f64, surfels.barycentric[1][i] as f64);
-    let [value, along1, along2] = mixed(values, [b1, b2], axis.missing);
-    let change = |d: &[Lane; 2]| d[0][i] as f64 * along1 + d[1][i] as f64 * along2;
-    Dual {
-        value: value as f32,
-        dx: change(&surfels.d_barycentric[0]) as f32,
-        dy: change(&surfels.d_barycentric[1]) as f32,
+    let measure = measures.of(property, mesh, surfels);
+    for i in 0..n {
+        let x = (measure.value[i] * scale + offset) as f32;
+        value[i] = if x.is_nan() { x } else { tame(x) };
+        dx[i] = tame((measure.d[0][i] * scale) as f32);
+        dy[i] = tame((measure.d[1][i] * scale) as f32);
     }
-}
-
-/// A value between three corners, given the second and third one's weights, and how it changes with each weight.
-#[inline(always)]
-pub fn mixed(corners: [f64; 3], [b1, b2]: [f64; 2], missing: Missing) -> [f64; 3] {
-    let [a, b, c] = corners;
-    let value = a + (b1 * (b - a) + b2 * (c - a));
-    if missing == Missing::Fan || !(a.is_nan() || b.is_nan() || c.is_nan()) {
-        return [value, b - a, c - a];
-    }
-    let weights = [1.0 - b1 - b2, b1, b2];
-    let nearest = (1..3).fold(0, |best, k| if weights[k] > weights[best] { k } else { best });
-    if corners[nearest].is_nan() {
-        return [f64::NAN; 3];
-    }
-    // The corners that are there share the weight; near the nearest of them there is always some.
-    let there = |k: usize| if corners[k].is_nan() { 0.0 } else { weights[k] };
-    let total = there(0) + there(1) + there(2);
-    let sum = (0..3).filter(|&k| !corners[k].is_nan()).fold(0.0, |sum, k| sum + weights[k] * corners[k]);
-    let value = sum / total;
-    // The quotient rule; the first weight falls as either of the others grows.
-    let slope = |k: usize| if corners[k].is_nan() { 0.0 } else { (corners[k] - value) / total };
-    [value, slope(1) - slope(0), slope(2) - slope(0)]
 }
 
 /// How a matt surface would look in parallel light: 1/2 where it faces the eye, 0 turned away from the light, 1 turned to it.

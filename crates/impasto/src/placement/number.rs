@@ -45,9 +45,6 @@ pub(super) struct Dual {
 pub(super) type Vector<N> = [N; 3];
 
 impl Dual {
-    /// The same at every cell.
-    pub(super) const ZERO: Self = Self { value: 0.0, dx: 0.0, dy: 0.0 };
-
     /// The chain rule: `value` changes `slope` times as fast as `self`.
     #[inline(always)]
     fn mapped(self, value: f32, slope: f32) -> Self {

@@ -49,7 +49,7 @@ pub(super) fn resolve<V: Visitor>(
     let sight = Sight::of(view);
     let local = |projector: &Option<Projector>| Local::of(&projector.unwrap_or(Projector::around(&mesh.bounds())));
     Some(match placement {
-        Placement::Uv(_) | Placement::Field { .. } | Placement::FieldInLight { .. } | Placement::Grid { .. } => {
+        Placement::Uv(_) | Placement::Property { .. } | Placement::PropertyInLight { .. } => {
             return None;
         }
         Placement::ObjectLinear { planes, world_from_object } => {

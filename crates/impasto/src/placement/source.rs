@@ -4,10 +4,9 @@
 //! Graphics System", version 1.3, 2.10.4) and the usual projections; the two-part mappings are in [`super::two_part`].
 //! Pictures stand upright: t runs down, as in every image, so where OpenGL adds a height we subtract it.
 
-use crate::assets::{Grid, Mesh};
+use crate::assets::Mesh;
 use crate::math::{Bounds, Mat4, Vec3, Vec4, unit_or};
-use crate::placement::{Needs, two_part::TwoPart};
-use std::sync::Arc;
+use crate::placement::{Needs, Property, PropertyAxis, two_part::TwoPart};
 
 /// Where on the texture a surface point is. [`super::place`] evaluates it.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,24 +84,17 @@ pub enum Placement {
     /// Through an intermediate surface (Bier and Sloan 1986).
     TwoPart(TwoPart),
     /// Data on the surface: what a colour table is read at. Missing values give NaN.
-    Field {
+    Property {
         /// What s, t and r show; none: 1/2, the middle of a table with a single row.
-        axes: [Option<FieldAxis>; 3],
+        axes: [Option<PropertyAxis>; 3],
     },
     /// Data as s, and as t how a surface that matt light falls on would look: 0 turned away to 1 turned to it, with 1/2 for
     /// what faces the eye. For tables with shades.
-    FieldInLight {
+    PropertyInLight {
         /// The data.
-        axis: FieldAxis,
+        axis: PropertyAxis,
         /// Towards the light, a unit vector in eye space.
         toward: Vec3,
-    },
-    /// Values on a 3-D grid, read at every point anew: as s, and as t the light of `FieldInLight`. Missing values give NaN.
-    Grid {
-        /// The values.
-        axis: GridAxis,
-        /// Towards the light, a unit vector in eye space; none: t is 1/2.
-        toward: Option<Vec3>,
     },
     /// The place itself, for 3-D textures.
     Position {
@@ -141,65 +133,6 @@ pub enum PositionUnit {
     Model,
     /// The longest edge of the mesh's bounds is 1, their middle is (1/2, 1/2, 1/2).
     Bounds,
-}
-
-/// One number of a field as a coordinate: `value * scale + offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FieldAxis {
-    /// Index into the mesh's fields.
-    pub field: usize,
-    /// Which number of the value; none: its length as a vector.
-    pub component: Option<usize>,
-    /// Texture widths a unit.
-    pub scale: f64,
-    /// Where the value 0 falls.
-    pub offset: f64,
-    /// What a missing value does to its triangles.
-    pub missing: Missing,
-}
-
-/// The number of a grid at the surface, or outside of it, as a coordinate: `value * scale + offset`.
-#[derive(Clone, Debug)]
-pub struct GridAxis {
-    /// In the mesh's space.
-    pub grid: Arc<Grid>,
-    /// Texture widths a unit.
-    pub scale: f64,
-    /// Where the value 0 falls.
-    pub offset: f64,
-    /// How far outside of the surface it is read, along the normal; model units.
-    pub distance: f32,
-}
-
-impl PartialEq for GridAxis {
-    /// Two grids are the same when they are one.
-    fn eq(&self, other: &Self) -> bool {
-        let numbers = |a: &Self| (a.scale, a.offset, a.distance);
-        Arc::ptr_eq(&self.grid, &other.grid) && numbers(self) == numbers(other)
-    }
-}
-
-/// What a missing value does to the triangles that share it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Missing {
-    /// Points nearest to it are missing; the rest of the triangle goes by the corners that are there.
-    #[default]
-    Nearest,
-    /// All of the triangle is missing: nothing is said that was not measured.
-    Fan,
-}
-
-impl FieldAxis {
-    /// Whether the mesh has the field, and the field the component.
-    fn fits(&self, mesh: &Mesh) -> bool {
-        mesh.fields().get(self.field).is_some_and(|f| self.component.unwrap_or(0) < f.n_components)
-    }
-
-    /// `from` falls on 0 and `to` on 1; all on 0 when they are equal.
-    pub fn over(field: usize, component: Option<usize>, from: f64, to: f64) -> Self {
-        let scale = if to != from { 1.0 / (to - from) } else { 0.0 };
-        Self { field, component, scale, offset: -from * scale, missing: Missing::default() }
-    }
 }
 
 /// Where a projection stands in the world, and how large its picture is: an oriented box.
@@ -243,14 +176,20 @@ impl Placement {
         let none = Needs { derivatives: true, ..Needs::default() };
         match self {
             Self::Uv(set) => Needs { uv_sets: 1u32.checked_shl(*set as u32).unwrap_or(0), ..Needs::default() },
-            Self::Field { .. } => none,
-            Self::FieldInLight { .. } => Needs { normal: true, view: true, ..none },
-            Self::Grid { axis, toward } => {
-                let (is_off, is_lit) = (axis.distance != 0.0, toward.is_some());
-                Needs { position: true, normal: is_off || is_lit, view: is_lit, ..none }
-            }
+            Self::Property { .. } => self.properties().fold(none, |needs, property| needs.or(property.needs())),
+            Self::PropertyInLight { axis, .. } => Needs { normal: true, view: true, ..axis.property.needs() },
             _ => Needs { position: self.reads_position(), normal: self.reads_normal(), ..none },
         }
+    }
+
+    /// The properties that it shows.
+    pub fn properties(&self) -> impl Iterator<Item = &Property> {
+        let axes = match self {
+            Self::Property { axes } => axes.each_ref().map(Option::as_ref),
+            Self::PropertyInLight { axis, .. } => [Some(axis), None, None],
+            _ => [None; 3],
+        };
+        axes.into_iter().flatten().map(|axis| &axis.property)
     }
 
     /// The UV set whose coordinates and footprints are the answer as they are: no need to place anything.
@@ -268,8 +207,7 @@ impl Placement {
             Self::NormalMap { space } => *space == Space::Eye,
             Self::Equirectangular { direction, space } => *direction == Direction::Reflection || *space == Space::Eye,
             Self::TwoPart(two_part) => two_part.depends_on_view(),
-            Self::FieldInLight { .. } => true,
-            Self::Grid { toward, .. } => toward.is_some(),
+            Self::PropertyInLight { .. } => true,
             _ => false,
         }
     }
@@ -278,9 +216,7 @@ impl Placement {
     pub fn fits(&self, mesh: &Mesh) -> bool {
         match self {
             Self::Uv(set) => *set < mesh.uv_sets().len().min(32),
-            Self::Field { axes } => axes.iter().flatten().all(|axis| axis.fits(mesh)),
-            Self::FieldInLight { axis, .. } => axis.fits(mesh),
-            _ => true,
+            _ => self.properties().all(|property| property.fits(mesh)),
         }
     }
 

@@ -245,7 +245,7 @@ fn all_placements() -> Vec<Placement> {
 
 fn coords_of(placement: &Placement, matrix: Mat4, view: &Viewpoint, mesh: &Mesh, surfels: &Surfels) -> TexCoords {
     let mut out = TexCoords::ZERO;
-    place(placement, &matrix, view, mesh, surfels, &mut out);
+    place(placement, &matrix, view, mesh, surfels, &mut Measures::default(), &mut out);
     out
 }
 
@@ -522,8 +522,11 @@ fn uv_sets_pass_through_and_take_a_matrix() {
 fn fields_are_read_per_vertex_face_and_corner_and_stay_missing() {
     let mesh = pebble();
     let (surfels, view) = (scattered(&mesh, 70), view());
-    let axis = |field, component| Some(FieldAxis::over(field, component, 1e6 - 1.0, 1e6 + 1.0));
-    let placement = Placement::Field { axes: [axis(0, Some(2)), axis(1, Some(0)), axis(2, Some(0))] };
+    let axis = |field, component| {
+        let property = Property::Field { field, component, missing: Missing::Nearest };
+        Some(PropertyAxis::over(property, [1e6 - 1.0, 1e6 + 1.0]))
+    };
+    let placement = Placement::Property { axes: [axis(0, Some(2)), axis(1, Some(0)), axis(2, Some(0))] };
     let got = coords_of(&placement, Mat4::IDENTITY, &view, &mesh, &surfels);
     for i in 0..surfels.n {
         let t = surfels.triangle[i] as usize;
@@ -545,13 +548,13 @@ fn fields_are_read_per_vertex_face_and_corner_and_stay_missing() {
     let mut raw = mesh.into_raw();
     raw.fields[1].values = Values::F32(vec![f32::NAN; raw.triangles.len()]);
     let mesh = raw.mend().value;
-    let placement = Placement::Field { axes: [axis(1, Some(0)), None, None] };
+    let placement = Placement::Property { axes: [axis(1, Some(0)), None, None] };
     for matrix in [Mat4::IDENTITY, Mat4::from_scale(vec3(2.0, 1.0, 1.0))] {
         let got = coords_of(&placement, matrix, &view, &mesh, &surfels);
         assert!(got.st[0][3].is_nan() && got.d_dx[0][3] == 0.0 && got.d_dy[0][3] == 0.0);
     }
     assert_eq!(at(&coords_of(&placement, Mat4::IDENTITY, &view, &mesh, &surfels), 3)[1], 0.5);
-    let absent = Placement::Field { axes: [axis(1, Some(4)), axis(9, None), None] };
+    let absent = Placement::Property { axes: [axis(1, Some(4)), axis(9, None), None] };
     assert!(placement.fits(&mesh) && !absent.fits(&mesh));
     assert!(coords_of(&absent, Mat4::IDENTITY, &view, &mesh, &surfels).st[0][0].is_nan());
 }

@@ -2,9 +2,10 @@
 
 use crate::color::{LinearRgba, lab_from_linear, linear_from_bytes};
 use crate::error::Result;
-use crate::inspect::{self, Values};
+use crate::inspect;
 use crate::math::Size;
 use crate::par::Workers;
+use crate::placement::Property;
 use crate::recipe::Prepared;
 use crate::recipe::words::impossible;
 use crate::visibility::Samples;
@@ -48,9 +49,7 @@ pub fn check(pixels: &[[u8; 4]], size: Size, prepared: &Prepared, workers: &Work
         let why = format!("its recipe draws {}", prepared.size);
         return Err(impossible("picture", size, why));
     }
-    let Some(truth) = values(prepared, (&key.field, key.component), workers) else {
-        return Err(impossible("field", &key.field, "it is not in the picture's file any more"));
-    };
+    let truth = values(prepared, &key.property, workers);
     let labs: Vec<[f64; 3]> = key.table.colors.iter().map(lab).collect();
     let n = labs.len();
     let rows: Vec<Vec<Option<f64>>> = workers.map(size.height as usize, |y| {
@@ -93,22 +92,9 @@ fn lab(c: &LinearRgba) -> [f64; 3] {
     lab_from_linear([c[0] as f64, c[1] as f64, c[2] as f64])
 }
 
-/// A field's value in each pixel, NaN where there is none; nothing when the surface has no such field.
-pub(super) fn values(
-    prepared: &Prepared,
-    (field, component): (&str, Option<usize>),
-    workers: &Workers,
-) -> Option<Vec<f32>> {
+/// A property's value in each pixel, NaN where there is none.
+pub(super) fn values(prepared: &Prepared, property: &Property, workers: &Workers) -> Vec<f32> {
     let (domain, shot) = (prepared.domain(), prepared.shot(Samples::One));
     let buffer = inspect::probe::buffer(&domain, &shot, workers);
-    let name = format!("field.{field}");
-    let quantities = inspect::quantities(&buffer, &domain, &shot, workers);
-    let quantity = quantities.iter().find(|q| q.name == name)?;
-    let Values::F32(numbers) = &quantity.values else { return None };
-    let n = quantity.components.len().max(1);
-    let of = |v: &[f32]| match component {
-        Some(c) => v.get(c).copied().unwrap_or(f32::NAN),
-        None => v.iter().map(|x| x * x).sum::<f32>().sqrt(),
-    };
-    Some(numbers.chunks_exact(n).map(of).collect())
+    inspect::measured(property, &buffer, &domain, workers)
 }

@@ -1,11 +1,11 @@
 //! Data layers of a recipe: colour tables, isolines and filters over fields, with ranges found where none are given.
 
-use crate::assets::{Element, Field, Filter as Interpolation, Grid, Scene, files};
+use crate::assets::{Element, Field, Filter as Interpolation, Grid, Scene, Values, files};
 use crate::color::LinearRgba;
 use crate::error::{Error, Mended, Result, note};
 use crate::lookup::{ColorTable, Filter, Isolines, Keep, Levels, Line, Scale, Shades, Target, Texture};
 use crate::math::{Vec3, vec3};
-use crate::placement::{FieldAxis, GridAxis, Missing, Placement};
+use crate::placement::{self, Missing, Placement, PropertyAxis};
 use crate::recipe::layer::{LayerRecipe, Numbers};
 use crate::recipe::source::{self, place};
 use crate::recipe::stack::{FILTERS, Ground};
@@ -147,18 +147,61 @@ impl<'a> Property<'a> {
         })
     }
 
-    /// As a coordinate: `from` falls on 0, `to` on 1. Shaded by light from `toward`.
-    fn placement(self, [from, to]: [f64; 2], missing: Missing, toward: Option<Vec3>) -> Placement {
-        let axis = FieldAxis { missing, ..FieldAxis::over(self.index, self.component, from, to) };
-        if let Some(Sampled { grid, distance, .. }) = self.grid {
-            let (scale, offset) = (axis.scale, axis.offset);
-            let axis = GridAxis { grid: grid.clone(), scale, offset, distance: *distance };
-            return Placement::Grid { axis, toward };
+    /// How its values lie about a range.
+    fn census(self, range: [f64; 2]) -> Census {
+        match (&self.field.values, self.field.n_components) {
+            // Large fields of single numbers are counted at each change of the range.
+            (Values::F32(v), 1) => Census::of(v.iter().map(|x| *x as f64), range),
+            (Values::F64(v), 1) => Census::of(v.iter().copied(), range),
+            _ => Census::of(self.values(), range),
         }
+    }
+
+    /// As it is measured at surface points.
+    fn measured(self, missing: Missing) -> placement::Property {
+        match self.grid {
+            Some(Sampled { grid, distance, .. }) => {
+                placement::Property::Grid { grid: grid.clone(), distance: *distance }
+            }
+            None => placement::Property::Field { field: self.index, component: self.component, missing },
+        }
+    }
+
+    /// As a coordinate: the ends of `range` fall on 0 and 1. Shaded by light from `toward`.
+    fn placement(self, range: [f64; 2], missing: Missing, toward: Option<Vec3>) -> Placement {
+        let axis = PropertyAxis::over(self.measured(missing), range);
         match toward {
-            Some(toward) => Placement::FieldInLight { axis, toward },
-            None => Placement::Field { axes: [Some(axis), None, None] },
+            Some(toward) => Placement::PropertyInLight { axis, toward },
+            None => Placement::Property { axes: [Some(axis), None, None] },
         }
+    }
+}
+
+/// How many values there are, and how they lie about a range.
+#[derive(Default)]
+struct Census {
+    n: usize,
+    n_missing: usize,
+    n_infinite: usize,
+    n_below: usize,
+    n_above: usize,
+    n_not_positive: usize,
+}
+
+impl Census {
+    #[inline(always)]
+    fn of(values: impl Iterator<Item = f64>, [low, high]: [f64; 2]) -> Self {
+        let mut census = Self::default();
+        for x in values {
+            let is_finite = x.is_finite();
+            census.n += 1;
+            census.n_missing += x.is_nan() as usize;
+            census.n_infinite += x.is_infinite() as usize;
+            census.n_below += (is_finite & (x < low)) as usize;
+            census.n_above += (is_finite & (x > high)) as usize;
+            census.n_not_positive += (is_finite & (x <= 0.0)) as usize;
+        }
+        census
     }
 }
 
@@ -184,6 +227,8 @@ pub struct Key {
     pub field: String,
     /// Which of its components; none: the vector's length.
     pub component: Option<usize>,
+    /// As it is measured at surface points.
+    pub property: placement::Property,
     /// What the values are.
     pub title: String,
     /// Their unit; empty when unknown.
@@ -244,7 +289,7 @@ fn plan<'a>(recipe: &LayerRecipe, on: &'a Ground) -> Result<Plan<'a>> {
     let missing = choose_or(
         "missing_mode",
         &recipe.missing_mode,
-        &[("nearest", Missing::Nearest), ("fan", Missing::Fan)],
+        &[("nearest", Missing::Nearest), ("fan", Missing::Fan), ("hatch", Missing::Nearest)],
         Missing::Nearest,
     )?;
     let mut notes = Vec::new();
@@ -322,6 +367,16 @@ fn round_step(x: f64) -> f64 {
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * power).find(|step| *step >= x * 0.999).unwrap_or(x)
 }
 
+/// The colours that a field holds, as coordinates.
+pub(super) fn colors(name: &str, on: &Ground) -> Result<Placement> {
+    let axis = |component| {
+        let recipe = LayerRecipe { field: Some(name.into()), component: Some(component), ..LayerRecipe::default() };
+        let property = Property::of(&recipe, on)?.measured(Missing::Nearest);
+        Ok(Some(PropertyAxis { property, scale: 1.0, offset: 0.0 }))
+    };
+    Ok(Placement::Property { axes: [axis(0)?, axis(1)?, axis(2)?] })
+}
+
 /// Where a data layer's coordinate comes from.
 pub(super) fn placement(recipe: &LayerRecipe, on: &Ground) -> Result<Placement> {
     if !recipe.is_data() {
@@ -384,12 +439,10 @@ fn range(recipe: &LayerRecipe, property: Property, is_log: bool, notes: &mut Vec
 
 /// The texture of a data layer.
 pub(super) fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended: &mut Vec<Mended>) -> Result<Texture> {
-    if recipe.table.is_some() {
-        let (key, notes) = key(recipe, on)?;
-        mended.extend(notes);
-        return Ok(Texture::Table(in_unit(key.table, plan(recipe, on)?.unit)));
-    }
     let plan = plan(recipe, on)?;
+    if recipe.table.is_some() {
+        return Ok(Texture::Table(in_unit(table(recipe, &plan, on)?, plan.unit)));
+    }
     if recipe.isolines.is_some() {
         return Ok(Texture::Isolines(isolines(recipe, plan.unit)?));
     }
@@ -442,11 +495,11 @@ pub(super) fn filter_of(recipe: &LayerRecipe, on: &Ground) -> Result<Filtering> 
     Ok(Filtering { filter, ends: plan.unit, range, title: field.name.clone(), unit: field.unit.clone() })
 }
 
-/// The field that a layer shows, which of its components, and its range.
-pub(super) fn property_of(recipe: &LayerRecipe, on: &Ground) -> Result<(String, Option<usize>, [f64; 2])> {
-    let property = Property::of(recipe, on)?;
-    let range = range(&LayerRecipe::default(), property, false, &mut Vec::new())?;
-    Ok((property.field.name.clone(), property.component, range))
+/// What a layer shows, and its range.
+pub(super) fn property_of(recipe: &LayerRecipe, on: &Ground) -> Result<(placement::Property, [f64; 2])> {
+    let plan = plan(recipe, on)?;
+    let range = range(&LayerRecipe::default(), plan.property, false, &mut Vec::new())?;
+    Ok((plan.property.measured(plan.missing), range))
 }
 
 /// An isoline layer's lines, and the values that 0 and 1 of their coordinate stand for.
@@ -490,11 +543,9 @@ fn isolines(recipe: &LayerRecipe, [first, second]: [f64; 2]) -> Result<Isolines>
     Ok(Isolines { levels, minor: Line { width, color }, major })
 }
 
-/// A table layer's colours, and what a legend says about them.
-pub(super) fn key(recipe: &LayerRecipe, on: &Ground) -> Result<(Key, Vec<Mended>)> {
-    let plan = plan(recipe, on)?;
-    let name = recipe.table.as_deref().unwrap_or("viridis");
-    let mut table = source::table(name, on.base)?;
+/// The colour table of a layer, its scale and range as the values have them.
+fn table(recipe: &LayerRecipe, plan: &Plan, on: &Ground) -> Result<ColorTable> {
+    let mut table = source::table(recipe.table.as_deref().unwrap_or_default(), on.base)?;
     table.filter = choose_or("mag", &recipe.mag, &FILTERS, Interpolation::Nearest)?;
     if let Some(n) = recipe.bands {
         if !(1..=256).contains(&n) {
@@ -512,17 +563,35 @@ pub(super) fn key(recipe: &LayerRecipe, on: &Ground) -> Result<(Key, Vec<Mended>
     table.below = word("below", &recipe.below)?;
     table.above = word("above", &recipe.above)?;
     table.missing = word("missing", &recipe.missing)?.unwrap_or(MISSING);
+    let is_hatched = recipe.missing_mode.as_deref().is_some_and(|m| m.eq_ignore_ascii_case("hatch"));
+    // Dark lines over a light colour, and the other way round.
+    let [r, g, b, a] = table.missing;
+    let line = if 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.18 { [0.02; 3] } else { [0.6; 3] };
+    table.hatch = is_hatched.then_some([line[0], line[1], line[2], a]);
     if recipe.shades == Some(true) {
-        table.shades = Some(Shades::of(&table.colors));
+        let known =
+            on.known.iter().find(|key| key.table.colors == table.colors).and_then(|key| key.table.shades.clone());
+        table.shades = Some(known.unwrap_or_else(|| Shades::of(&table.colors)));
     }
-    let (low, high) = (plan.range[0].min(plan.range[1]), plan.range[0].max(plan.range[1]));
-    let mut counts = [0; 4];
-    for x in plan.property.values() {
-        counts[0] += 1;
-        counts[1] += !x.is_finite() as usize;
-        counts[2] += (x.is_finite() && x < low) as usize;
-        counts[3] += (x.is_finite() && x > high) as usize;
+    Ok(table)
+}
+
+/// What legends say about the table layers.
+pub(super) fn keys(layers: &[LayerRecipe], on: &Ground, mended: &mut Vec<Mended>) -> Result<Vec<Key>> {
+    let mut keys = Vec::new();
+    for layer in layers.iter().filter(|l| l.table.is_some()) {
+        let (key, notes) = key(layer, on)?;
+        keys.push(key);
+        mended.extend(notes);
     }
+    Ok(keys)
+}
+
+/// A table layer's colours, and what a legend says about them.
+fn key(recipe: &LayerRecipe, on: &Ground) -> Result<(Key, Vec<Mended>)> {
+    let plan = plan(recipe, on)?;
+    let table = table(recipe, &plan, on)?;
+    let census = plan.property.census([plan.range[0].min(plan.range[1]), plan.range[0].max(plan.range[1])]);
     let field = plan.property.field;
     let component = match plan.property.component {
         Some(c) if field.n_components > 1 => {
@@ -532,24 +601,27 @@ pub(super) fn key(recipe: &LayerRecipe, on: &Ground) -> Result<(Key, Vec<Mended>
         _ => String::new(),
     };
     let mut notes = plan.notes;
-    let n_infinite = plan.property.values().filter(|x| x.is_infinite()).count();
-    note(&mut notes, counts[1] - n_infinite, format!("values of {:?} are missing", field.name));
-    note(&mut notes, n_infinite, format!("values of {:?} are infinite, shown as missing", field.name));
+    note(&mut notes, census.n_missing, format!("values of {:?} are missing", field.name));
+    note(&mut notes, census.n_infinite, format!("values of {:?} are infinite, shown as missing", field.name));
     if plan.scale == Scale::Log {
-        let n_low = plan.property.values().filter(|x| x.is_finite() && *x <= 0.0).count();
-        note(&mut notes, n_low, format!("values of {:?} are 0 or less: they have no logarithm", field.name));
+        note(
+            &mut notes,
+            census.n_not_positive,
+            format!("values of {:?} are 0 or less: they have no logarithm", field.name),
+        );
     }
     let key = Key {
         asked: recipe.field.clone().unwrap_or_default(),
         field: field.name.clone(),
         component: plan.property.component,
+        property: plan.property.measured(plan.missing),
         scale: plan.scale,
         title: recipe.label.clone().unwrap_or_else(|| format!("{}{component}", field.name)),
         unit: recipe.unit_label.clone().unwrap_or_else(|| field.unit.clone()),
         table,
-        table_name: name.to_owned(),
+        table_name: recipe.table.clone().unwrap_or_default(),
         range: plan.range,
-        counts,
+        counts: [census.n, census.n_missing + census.n_infinite, census.n_below, census.n_above],
         bands: recipe.bands,
     };
     Ok((key, notes))
@@ -561,8 +633,7 @@ const MISSING: LinearRgba = [0.40, 0.40, 0.40, 1.0];
 /// The colours of a table layer at the mesh's vertices, for Gouraud's way.
 pub(super) fn vertex_colors(recipe: &LayerRecipe, on: &Ground) -> Result<Vec<LinearRgba>> {
     let plan = plan(recipe, on)?;
-    let (key, _) = key(recipe, on)?;
-    let table = in_unit(key.table, plan.unit);
+    let table = in_unit(table(recipe, &plan, on)?, plan.unit);
     if plan.property.field.element != Element::Vertex {
         return Err(Error::Parameter {
             what: "gouraud".into(),

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LayerRecipe {
-    // What it reads: one of the next four.
+    // What it reads: one of the next seven.
     /// An image: a file beside the recipe, `sample:NAME`, or `lights`: a ball in the picture's own light, for the coordinate
     /// `view-normal` (its default) on an unlit surface.
     pub image: Option<String>,
@@ -16,6 +16,8 @@ pub struct LayerRecipe {
     pub procedural: Option<String>,
     /// A colour table over a field: a name like `viridis`, `batlow`, `vik` (`_r` behind it turns it round), or a file.
     pub table: Option<String>,
+    /// A field that holds colours - three or four numbers a value, linear light - and shows them as they are.
+    pub carried: Option<String>,
     /// Lines of equal value of a field: the step from line to line; 0: only the `levels`.
     pub isolines: Option<f64>,
     /// Hides by the values of a field: `above`, `below` or `within` say which are kept.
@@ -47,7 +49,8 @@ pub struct LayerRecipe {
     pub field: Option<String>,
     /// Which of its components, from 0; absent: the only one, or the vector's length.
     pub component: Option<u32>,
-    /// `nearest`: a missing value leaves the part of its triangles out that is nearest to it; `fan`: all of them.
+    /// `nearest`: a missing value leaves the part of its triangles out that is nearest to it; `fan`: all of them; `hatch`: as
+    /// `nearest`, filled with lines.
     pub missing_mode: Option<String>,
 
     /// In place of a field: a file of values on a 3-D grid (cube, dx, mrc, nrrd), read at every pixel's surface point.

@@ -6,9 +6,12 @@ use crate::lookup::{Levels, Scale};
 use crate::math::Size;
 use crate::picture::Background;
 use crate::picture::Drawing;
-use crate::picture::legend::{LegendLayout, LegendLine, LegendScale, LegendSpec, Theme, layout, legend_alone};
+use crate::picture::legend::{
+    LegendLayout, LegendLine, LegendScale, LegendSpec, Position, Theme, layout, legend_alone,
+};
 use crate::picture::numbers::Notation;
 use crate::picture::swatch::{AxisSpec, SwatchSpec, swatch_alone, swatch_layout};
+use crate::placement::Property;
 use crate::recipe::data::{self, Key};
 use crate::recipe::layer::LayerRecipe;
 use crate::recipe::stack::Ground;
@@ -45,9 +48,15 @@ pub(super) fn legend(
     size: Size,
     background: Background,
 ) -> Result<Option<(Legend, LegendLayout)>> {
-    let is_wanted = choose_or("legend", &recipe.legend.place, &[("right", true), ("none", false)], true)?;
-    let (true, Some(key)) = (is_wanted, keys.first()) else { return Ok(None) };
-    let mut spec = spec(&recipe.legend, key, background)?;
+    let places = [
+        ("right", Some(Position::Right)),
+        ("left", Some(Position::Left)),
+        ("bottom", Some(Position::Bottom)),
+        ("none", None),
+    ];
+    let place = choose_or("legend", &recipe.legend.place, &places, Some(Position::Right))?;
+    let (Some(position), Some(key)) = (place, keys.first()) else { return Ok(None) };
+    let mut spec = LegendSpec { position, ..spec(&recipe.legend, key, background)? };
     for layer in recipe.layers.iter().filter(|l| l.isolines.is_some() && l.field.as_deref() == Some(&key.asked)) {
         let (isolines, [first, second]) = data::lines(layer, on)?;
         let value = |place: f64| first + place * (second - first);
@@ -75,7 +84,8 @@ pub(super) fn legend(
         }
     };
     // A picture that would be all legend shows none.
-    let fits = layout.width < size.width * 6 / 10;
+    let side = if position == Position::Bottom { size.height } else { size.width };
+    let fits = layout.width < side * 6 / 10;
     Ok(fits.then_some((legend, layout)))
 }
 
@@ -98,16 +108,21 @@ fn swatch(layer: &LayerRecipe, key: &Key, on: &Ground, bar: &LegendSpec) -> Resu
         let kept = filter.kept(((value - zero) / (one - zero)) as f32, 0.0);
         std::array::from_fn(|c| filter.color[c] + (own[c] - filter.color[c]) * kept)
     });
-    Ok(SwatchSpec { missing: bar.missing, missing_share: bar.missing_share, theme: bar.theme, ..spec })
+    Ok(SwatchSpec {
+        missing: bar.missing,
+        hatch: bar.hatch,
+        missing_share: bar.missing_share,
+        theme: bar.theme,
+        position: bar.position,
+        ..spec
+    })
 }
 
 /// Isolines whose values stand on them: whose they are, at which values, and what they look like.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Labelled {
-    /// The field's name.
-    pub field: String,
-    /// Which of its components; none: the vector's length.
-    pub component: Option<usize>,
+    /// What they are lines of.
+    pub property: Property,
     /// Values of the lines that get labels.
     pub levels: Vec<f32>,
     /// Of the lines.
@@ -120,9 +135,9 @@ pub(super) fn labelled(recipe: &Recipe, on: &Ground) -> Result<Vec<Labelled>> {
     if recipe.legend.line_labels != Some(true) {
         return Ok(all);
     }
-    for layer in recipe.layers.iter().filter(|l| l.isolines.is_some() && l.grid.is_none()) {
+    for layer in recipe.layers.iter().filter(|l| l.isolines.is_some()) {
         let (isolines, [first, second]) = data::lines(layer, on)?;
-        let (field, component, range) = data::property_of(layer, on)?;
+        let (property, range) = data::property_of(layer, on)?;
         let levels = isolines.levels.within(range.map(|v| (v - first) / (second - first)), 4 * MOST_LINES);
         let every = isolines.major.map_or(1, |(every, _)| every.max(1) as i64);
         let numbered = levels.into_iter().enumerate().map(|(i, level)| match isolines.levels {
@@ -131,7 +146,7 @@ pub(super) fn labelled(recipe: &Recipe, on: &Ground) -> Result<Vec<Labelled>> {
         });
         let major = numbered.filter(|(number, _)| number.rem_euclid(every) == 0);
         let levels = major.map(|(_, level)| (first + level * (second - first)) as f32).collect();
-        all.push(Labelled { field, component, levels, color: isolines.minor.color });
+        all.push(Labelled { property, levels, color: isolines.minor.color });
     }
     Ok(all)
 }
@@ -162,6 +177,7 @@ fn spec(recipe: &LegendRecipe, key: &Key, background: Background) -> Result<Lege
         below: table.below.filter(|_| before > 0),
         above: table.above.filter(|_| beyond > 0),
         missing: (missing > 0).then_some(table.missing),
+        hatch: table.hatch,
         missing_share: missing as f64 / n.max(1) as f64,
         notation,
         theme: if luminance(background) < 0.18 { Theme::Dark } else { Theme::Light },

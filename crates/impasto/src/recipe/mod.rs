@@ -5,6 +5,7 @@
 //! All keys are optional and have the program's defaults. This module alone knows `serde`.
 
 pub mod ball;
+mod change;
 pub mod check;
 pub mod data;
 pub mod layer;
@@ -63,7 +64,7 @@ pub struct Recipe {
     /// What is written.
     #[serde(skip_serializing_if = "is_default")]
     pub output: Output,
-    /// How the camera walks around, for a moving picture.
+    /// How the camera walks around and what else moves, for a moving picture.
     #[serde(skip_serializing_if = "is_default")]
     pub turntable: TurntableRecipe,
     /// Where the gallery's page puts it.
@@ -212,7 +213,7 @@ pub struct LightRecipe {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LegendRecipe {
-    /// `right` (the default where a layer has a table) or `none`.
+    /// `right` (the default where a layer has a table), `left`, `bottom` or `none`.
     pub place: Option<String>,
     /// In place of the field's name.
     pub title: Option<String>,
@@ -240,7 +241,7 @@ pub struct Output {
     pub info_size: Option<[u32; 2]>,
 }
 
-/// How the camera walks around the object.
+/// How the camera walks around the object, and what else moves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TurntableRecipe {
@@ -248,8 +249,12 @@ pub struct TurntableRecipe {
     pub frames: Option<u32>,
     /// Pictures a second; absent: 12.
     pub fps: Option<f32>,
-    /// How far, degrees; absent: once around, 360. Below zero the other way.
+    /// How far, degrees; absent: once around, 360, or 0 when something else moves. Below zero the other way.
     pub turn: Option<f32>,
+    /// The first table's range moves from the one to the other.
+    pub watch_range: Option<[[f64; 2]; 2]>,
+    /// The `level` of the first isolines moves from the one to the other: all lines wander.
+    pub watch_level: Option<[f64; 2]>,
 }
 
 /// Where the gallery's page puts a picture, and what it stands beside.

@@ -3,17 +3,19 @@
 use crate::assets::{AlphaMode, Mesh, Scene, TextureImage};
 use crate::color::LinearRgba;
 use crate::error::{Error, Mended, Report, Result, note};
-use crate::lookup::{ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading, Target, Texture, Usage};
+use crate::lookup::{ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading, Target, Texture, TextureId, Usage};
 use crate::math::{Mat4, Size, Vec3};
 use crate::par::Workers;
 use crate::picture::legend::LegendLayout;
 use crate::picture::sphere_texture::Material;
 use crate::picture::{Backdrop, Background, Develop, Environment, Lighting, gouraud};
 use crate::placement::{self, Placement, UnwrapOptions, Viewpoint};
+use crate::recipe::change::Making;
 use crate::recipe::data::{self, Key};
 use crate::recipe::layer::LayerRecipe;
 use crate::recipe::legend::{Labelled, Legend};
 use crate::recipe::source::Surroundings;
+use crate::recipe::view::Frame;
 use crate::recipe::words::{choose, color, impossible};
 use crate::recipe::{Recipe, SurfaceRecipe, View, legend, source, stack, view};
 use crate::visibility::{Camera, Samples};
@@ -30,8 +32,8 @@ pub struct Prepared {
     pub view: View,
     /// Pixels across and down.
     pub size: Size,
-    /// The part of the picture, from its top left corner, that the object is framed in; the rest is the legend's.
-    pub frame: Size,
+    /// The part of the picture that the object is framed in.
+    pub frame: Frame,
     /// Places looked at in each pixel.
     pub samples: Samples,
     /// What lights it.
@@ -52,6 +54,8 @@ pub struct Prepared {
     pub legend: Option<(Legend, LegendLayout)>,
     /// Isolines that have their values written on them.
     pub labelled: Vec<Labelled>,
+    /// What the layers were made from, for another go at them.
+    pub(super) making: Making,
 }
 
 /// The size of a picture that says nothing about it.
@@ -129,14 +133,13 @@ fn prepare_seen(
     let seed = on_seed(recipe);
     let grids = data::grids(&recipe.layers, base, &scene, &mut mended)?;
     let ball = Material { shading: Shading::Unlit, color: [1.0; 3], roughness: 1.0, metalness: 0.0 };
+    let mut making = Making { base: base.into(), seed, uv_set, grids, ball, textures: Vec::new() };
     // The legend takes its room from the view, so it comes before there is one: data need none.
     let nowhere = Viewpoint { eye_from_world: Mat4::IDENTITY, eye: Vec3::ZERO, parallel: Some(Vec3::Z) };
     let dark = Lighting::flat(0.0);
-    let on = stack::Ground { scene: &scene, base, seed, uv_set, grids: &grids, view: nowhere, lighting: &dark, ball };
-    let mut keys = Vec::new();
-    for layer in recipe.layers.iter().filter(|l| l.table.is_some()) {
-        keys.push(data::key(layer, &on)?.0);
-    }
+    let on = making.on(&scene, nowhere, &dark, &[]);
+    let keys = data::keys(&recipe.layers, &on, &mut mended)?;
+    let on = stack::Ground { known: &keys, ..on };
     let legend = match recipe.camera.view.as_deref() {
         Some("atlas") => None,
         _ => legend::legend(recipe, &keys, &on, size, background)?,
@@ -146,10 +149,10 @@ fn prepare_seen(
         Some(layer) => Some(data::vertex_colors(layer, &on)?),
         None => None,
     };
-    let frame = Size::new(size.width - legend.as_ref().map_or(0, |(_, l)| l.width), size.height);
+    let frame = Frame::beside(legend.as_ref().map(|(_, layout)| layout), size);
     let view = match camera {
         Some(camera) => View::Camera(camera),
-        None => view::view(&recipe.camera, &scene, frame)?,
+        None => view::view(&recipe.camera, &scene, frame.size)?,
     };
     let around = match &recipe.picture.environment {
         None => None,
@@ -159,18 +162,7 @@ fn prepare_seen(
         }
     };
     let viewpoint = view.domain(&scene, frame, size).view;
-    let backdrop = match (background, &around) {
-        (Background::Environment { .. }, Some(_)) if matches!(view, View::Atlas(_)) => {
-            return Err(impossible("background", "environment", "over an atlas nothing is seen behind the surface"));
-        }
-        (Background::Environment { blur }, Some(Surroundings::Panorama(image))) => {
-            Some(Backdrop::of_panorama(image, blur, workers))
-        }
-        (Background::Environment { blur }, Some(Surroundings::Cube(faces))) => {
-            Some(Backdrop::of_cube(faces, blur, workers))
-        }
-        _ => None,
-    };
+    let backdrop = backdrop(background, around.as_ref(), &view, workers)?;
     let environment = around.map(|around| match around {
         Surroundings::Panorama(image) => Environment::of_panorama(&image, 0.0, workers),
         Surroundings::Cube(faces) => Environment::of_cube(&faces, workers),
@@ -182,23 +174,13 @@ fn prepare_seen(
     for layer in &recipe.layers {
         let is_per_vertex = layer.per_vertex == Some(true);
         if is_per_vertex {
-            let on = stack::Ground {
-                scene: &scene,
-                base,
-                seed,
-                uv_set,
-                grids: &grids,
-                view: viewpoint,
-                lighting: &lighting,
-                ball,
-            };
+            let on = making.on(&scene, viewpoint, &lighting, &keys);
             scene.mesh = stack::at_vertices(layer, &on, &mut mended)?;
         }
         uv_sets.push(is_per_vertex.then(|| scene.mesh.uv_sets().len() - 1));
     }
-    let on =
-        stack::Ground { scene: &scene, base, seed, uv_set, grids: &grids, view: viewpoint, lighting: &lighting, ball };
-    let (mut looks, ball) = looks(recipe, &uv_sets, &on, &mut mended)?;
+    let on = making.on(&scene, viewpoint, &lighting, &keys);
+    let (mut looks, textures, ball) = looks(recipe, &uv_sets, &on, &mut mended)?;
     if let Some(colors) = table_colors {
         scene.mesh = colored(std::mem::take(&mut scene.mesh), colors);
         looks.looks.iter_mut().for_each(|l| l.uses_vertex_colors = true);
@@ -216,6 +198,7 @@ fn prepare_seen(
     let is_lit = !unlit && looks.looks.iter().any(|l| l.shading != Shading::Unlit);
     let develop = view::develop(recipe, is_lit && !recipe.shows_data(), background)?;
     let ground = recipe.picture.ground.unwrap_or(false);
+    (making.textures, making.ball) = (textures, ball);
     let value = Prepared {
         scene,
         looks,
@@ -232,8 +215,26 @@ fn prepare_seen(
         keys,
         legend,
         labelled,
+        making,
     };
     Ok(Report { value, mended })
+}
+
+/// What is seen behind the surface, where that is what lights it.
+fn backdrop(
+    background: Background,
+    around: Option<&Surroundings>,
+    view: &View,
+    workers: &Workers,
+) -> Result<Option<Backdrop>> {
+    let (Background::Environment { blur }, Some(around)) = (background, around) else { return Ok(None) };
+    if matches!(view, View::Atlas(_)) {
+        return Err(impossible("background", "environment", "over an atlas nothing is seen behind the surface"));
+    }
+    Ok(Some(match around {
+        Surroundings::Panorama(image) => Backdrop::of_panorama(image, blur, workers),
+        Surroundings::Cube(faces) => Backdrop::of_cube(faces, blur, workers),
+    }))
 }
 
 fn on_seed(recipe: &Recipe) -> u32 {
@@ -286,13 +287,13 @@ fn highlight(recipe: &SurfaceRecipe) -> [f32; 2] {
     [recipe.specular.unwrap_or(0.35), recipe.exponent.unwrap_or(48.0)]
 }
 
-/// The file's looks, changed as the recipe says; and the ball of [`stack::LIGHTS`].
+/// The file's looks, changed as the recipe says; the texture of each of its layers; and the ball of [`stack::LIGHTS`].
 fn looks(
     recipe: &Recipe,
     uv_sets: &[Option<usize>],
     on: &stack::Ground,
     mended: &mut Vec<Mended>,
-) -> Result<(Looks, Material)> {
+) -> Result<(Looks, Vec<Option<TextureId>>, Material)> {
     let mut looks = match recipe.surface.plain {
         Some(true) => {
             let mut bare = on.scene.clone_without_materials();
@@ -308,15 +309,20 @@ fn looks(
         dress(&mut looks, &image, on)?;
     }
     if recipe.layers.is_empty() {
-        return Ok((looks, on.ball));
+        return Ok((looks, Vec::new(), on.ball));
     }
-    let mut layers = Vec::new();
-    for (layer, uv_set) in recipe.layers.iter().zip(uv_sets).filter(|(l, _)| l.gouraud != Some(true)) {
+    let (mut layers, mut textures) = (Vec::new(), Vec::new());
+    for (layer, uv_set) in recipe.layers.iter().zip(uv_sets) {
+        if layer.gouraud == Some(true) {
+            textures.push(None);
+            continue;
+        }
         let (mut made, texture) = stack::layer(layer, *uv_set, on, mended)?;
         made.texture = looks.add(texture);
+        textures.push(Some(made.texture));
         layers.push(Worn { layer: made, parts: parts_named(layer, on.scene)?, alpha_mode: alpha_mode(layer) });
     }
-    Ok((lay(looks, &layers), on.ball))
+    Ok((lay(looks, &layers), textures, on.ball))
 }
 
 /// Constants that the recipe sets, in every look.

@@ -1,12 +1,12 @@
 //! A prepared recipe to a picture, and to what the picture knows about itself.
 
 use crate::assets::image_write::{self, Numbers};
-use crate::color::{Encoding, LinearRgba};
+use crate::color::LinearRgba;
 use crate::math::Size;
 use crate::par::Workers;
 use crate::picture::contour::{self, LabelStyle};
 use crate::picture::numbers::Notation;
-use crate::picture::render::{Renderer, Shortfall, Shot};
+use crate::picture::render::{Renderer, Shortfall, Shot, Still};
 use crate::picture::{Drawing, Ground, develop_row};
 use crate::recipe::legend::Labelled;
 use crate::recipe::{Prepared, check};
@@ -29,6 +29,16 @@ pub struct Picture {
 pub struct Stage {
     renderer: Renderer,
     ground: Option<Ground>,
+    stands_still: bool,
+    still: Option<Still>,
+}
+
+impl Stage {
+    /// A stage that keeps what is seen, too: pictures from one view cost no more than their look-up, whatever the number of
+    /// triangles, as long as tables, ranges, isolines and lights are all that changes. For opaque surfaces.
+    pub fn standing_still() -> Self {
+        Self { stands_still: true, ..Self::default() }
+    }
 }
 
 /// A picture's light before it is developed.
@@ -76,7 +86,7 @@ impl Prepared {
     /// The values of some isolines, written on them.
     fn labels(&self, lines: &Labelled, workers: &Workers) -> Drawing {
         let mut drawing = Drawing::new(self.size);
-        let Some(values) = check::values(self, (&lines.field, lines.component), workers) else { return drawing };
+        let values = check::values(self, &lines.property, workers);
         let contours = contour::trace(&values, self.size, &lines.levels);
         let texts = contour::level_texts(&lines.levels, Notation::Auto);
         let [r, g, b, _] = lines.color;
@@ -99,13 +109,12 @@ impl Prepared {
 
     fn draw<T: Copy + Send>(
         &self,
-        Stage { renderer, ground }: &mut Stage,
+        Stage { renderer, ground, stands_still, still }: &mut Stage,
         (workers, progress): (&Workers, &(dyn Fn(f32) + Sync)),
         picture: &mut [T],
         finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync + Send,
     ) -> Shortfall {
         let (domain, shot) = (self.domain(), self.shot(self.samples));
-        renderer.sort(&domain, &shot, workers);
         let n_done = AtomicUsize::new(0);
         let n_cells = self.size.n_cells();
         if self.ground && ground.is_none() {
@@ -113,7 +122,7 @@ impl Prepared {
         }
         let ground = ground.as_ref().filter(|_| self.ground);
         let floor = ground.and_then(|g| g.lens(&domain).map(|lens| (g, lens)));
-        renderer.shade(&domain, &shot, workers, picture, |place, cells, row| {
+        let finish = |place: [u32; 2], cells: &[LinearRgba], row: &mut [T]| {
             if floor.is_none() && self.backdrop.is_none() {
                 finish(place, cells, row);
             } else {
@@ -131,7 +140,17 @@ impl Prepared {
             if done / PROGRESS_STEP != (done - cells.len()) / PROGRESS_STEP || done == n_cells {
                 progress(done as f32 / n_cells as f32);
             }
-        })
+        };
+        if let Some(still) = still.as_ref().filter(|s| s.serves(&domain, &shot)) {
+            return renderer.shade_still(still, &domain, &shot, workers, picture, finish);
+        }
+        renderer.sort(&domain, &shot, workers);
+        if *stands_still {
+            let (seen, shortfall) = renderer.record(&domain, &shot, workers, picture, finish);
+            *still = Some(seen);
+            return shortfall;
+        }
+        renderer.shade(&domain, &shot, workers, picture, finish)
     }
 }
 
@@ -146,13 +165,7 @@ impl Picture {
 
     /// As a PNG file: three channels when it is opaque, four otherwise.
     pub fn png(&self, metadata: &[(&str, String)]) -> Vec<u8> {
-        match self.has_alpha() {
-            true => image_write::png8(self.size, self.pixels.as_flattened(), Encoding::Srgb, metadata),
-            false => {
-                let rgb: Vec<u8> = self.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
-                image_write::png8(self.size, &rgb, Encoding::Srgb, metadata)
-            }
-        }
+        image_write::png_picture(self.size, &self.pixels, metadata)
     }
 }
 

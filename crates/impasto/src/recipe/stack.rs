@@ -2,6 +2,7 @@
 
 use crate::assets::cube_layout::{self, Faces};
 use crate::assets::{CubeLayout, Filter, Mesh, MinFilter, Sampler, Scene, Wrap};
+use crate::color::Encoding;
 use crate::error::{Error, Mended, Result};
 use crate::lookup::{
     BaseFormat, Channel, Compare, ImageTexture, Layer, Operator, Pattern, Prepare, Procedural, Target, Texture,
@@ -35,6 +36,8 @@ pub(super) struct Ground<'a> {
     pub(super) lighting: &'a Lighting,
     /// What the ball of `lights` is made of.
     pub(super) ball: Material,
+    /// Tables that are worked out already.
+    pub(super) known: &'a [data::Key],
 }
 
 /// The image that is a ball in the picture's own light.
@@ -190,6 +193,9 @@ fn operator(recipe: &LayerRecipe, target: Target) -> Result<Operator> {
 // Where the coordinate comes from.
 
 fn placement(recipe: &LayerRecipe, on: &Ground) -> Result<Placement> {
+    if let Some(name) = &recipe.carried {
+        return data::colors(name, on);
+    }
     let absent = if recipe.is_data() { "field" } else { "uv" };
     let given = recipe.coordinate.as_deref().unwrap_or(absent);
     const NAMES: [&str; 17] = [
@@ -350,16 +356,19 @@ impl LayerRecipe {
 
 fn texture(recipe: &LayerRecipe, on: &Ground, target: Target, mended: &mut Vec<Mended>) -> Result<Texture> {
     let seed = recipe.seed.unwrap_or(on.seed);
-    let words = [&recipe.image, &recipe.procedural, &recipe.table, &recipe.filter];
+    let words = [&recipe.image, &recipe.procedural, &recipe.table, &recipe.carried, &recipe.filter];
     let n_sources = words.iter().filter(|s| s.is_some()).count()
         + recipe.images.is_some() as usize
         + recipe.isolines.is_some() as usize;
     if n_sources != 1 {
-        let why = "a layer reads one of image, images, procedural, table, isolines or filter";
+        let why = "a layer reads one of image, images, procedural, table, carried, isolines or filter";
         return Err(impossible("layer", n_sources, why));
     }
     if recipe.is_data() {
         return data::texture(recipe, on, target, mended);
+    }
+    if recipe.carried.is_some() {
+        return Ok(Texture::Carried(Encoding::Linear));
     }
     if let Some(name) = &recipe.procedural {
         return Ok(Texture::Procedural(procedural(name, recipe, seed)?));

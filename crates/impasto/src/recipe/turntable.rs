@@ -1,15 +1,15 @@
-//! A walk around the object, as a moving picture.
+//! A walk around the object, or the wandering of a range or of isolines, as a moving picture.
 
-use crate::assets::animation::{self, Timing};
+use crate::assets::animation::{self, Clip, Timing};
 use crate::error::{Mended, Result};
 use crate::math::{Mat4, Vec3, exact};
 use crate::par::Workers;
-use crate::picture::Reflection;
 use crate::picture::render::Shortfall;
 use crate::recipe::prepare::prepare_from;
 use crate::recipe::render::Stage;
+use crate::recipe::view::Frame;
 use crate::recipe::words::impossible;
-use crate::recipe::{Prepared, Recipe, View, output, prepare, view};
+use crate::recipe::{Prepared, Recipe, TurntableRecipe, View, output, prepare, view};
 use crate::visibility::Camera;
 use std::path::{Path, PathBuf};
 
@@ -40,14 +40,23 @@ impl Turntable {
     /// As [`prepare`]; `Parameter` for numbers that cannot be.
     pub fn new(recipe: &Recipe, base: &Path, workers: &Workers) -> Result<(Self, Vec<Mended>)> {
         let walk = &recipe.turntable;
-        let turn = walk.turn.unwrap_or(360.0) as f64;
-        if !(turn.abs() <= 36_000.0 && turn != 0.0) {
+        let watches = walk.watches();
+        let turn = walk.turn.unwrap_or(if watches { 0.0 } else { 360.0 }) as f64;
+        if !(turn.abs() <= 36_000.0 && (turn != 0.0 || watches)) {
             return Err(impossible("turn", turn, "degrees, up to a hundred times around"));
         }
         let timing = Timing { n_frames: walk.frames.unwrap_or(FRAMES), fps: walk.fps.unwrap_or(FPS) };
-        let report = prepare(recipe, base, workers)?;
+        let report = prepare(&recipe.at(0.0)?, base, workers)?;
         let mut prepared = report.value;
-        let (start, middle) = view::turning_view(&recipe.camera, &prepared.scene, prepared.frame)?;
+        if watches && !recipe.is_made_for_one_view() {
+            // The legend's numbers change, and their width with them: it gets the room of the widest.
+            for share in [0.25, 0.5, 0.75, 1.0, 0.0] {
+                prepared.change(&recipe.at(share)?)?;
+                let legend = prepared.legend.as_ref().map(|(_, layout)| layout);
+                prepared.frame = prepared.frame.and(Frame::beside(legend, prepared.size));
+            }
+        }
+        let (start, middle) = view::turning_view(&recipe.camera, &prepared.scene, prepared.frame.size)?;
         prepared.view = View::Camera(start);
         Ok((Self { prepared, timing, turn: turn.to_radians(), start, middle, base: base.into() }, report.mended))
     }
@@ -85,12 +94,13 @@ impl Turntable {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Shortfall> {
         let metadata = output::metadata(recipe, &self.prepared.view, about);
-        let mut stage = Stage::default();
+        let mut stage = if self.turn == 0.0 { Stage::standing_still() } else { Stage::default() };
         let mut shortfall = Shortfall::default();
-        let (size, timing) = (self.prepared.size, self.timing);
-        animation::write(path, size, timing, &metadata, |i| {
-            self.look_from(recipe, self.camera(i), workers)?;
-            let share = |s: f32| progress((i as f32 + s) / timing.n_frames as f32);
+        let clip = Clip { size: self.prepared.size, timing: self.timing, metadata: &metadata };
+        animation::write(path, clip, |i| {
+            let share = i as f64 / (clip.timing.n_frames - 1).max(1) as f64;
+            self.look_from(&recipe.at(share)?, self.camera(i), workers)?;
+            let share = |s: f32| progress((i as f32 + s) / clip.timing.n_frames as f32);
             let picture = self.prepared.render_on(&mut stage, workers, &share);
             shortfall.n_truncated_tiles = shortfall.n_truncated_tiles.max(picture.shortfall.n_truncated_tiles);
             Ok(picture.pixels)
@@ -106,12 +116,38 @@ impl Turntable {
         }
         let prepared = &mut self.prepared;
         prepared.view = View::Camera(camera);
-        let environment = match &prepared.lighting.reflection {
-            Reflection::Environment(environment) => Some(environment.clone()),
-            Reflection::Surroundings(_) => None,
-        };
-        prepared.lighting = view::lighting(recipe, &prepared.scene, &camera.viewpoint(), environment)?;
+        if recipe.turntable.watches() {
+            prepared.change(recipe)?;
+        } else {
+            prepared.lighting = prepared.lighting_by(recipe)?;
+        }
         Ok(())
+    }
+}
+
+impl TurntableRecipe {
+    /// Whether more moves than the camera.
+    fn watches(&self) -> bool {
+        self.watch_range.is_some() || self.watch_level.is_some()
+    }
+}
+
+impl Recipe {
+    /// As it stands at a share of the film, 0 its first frame, 1 its last.
+    fn at(&self, share: f64) -> Result<Self> {
+        let mut now = self.clone();
+        let between = |[from, to]: [f64; 2]| from + (to - from) * share;
+        let none = |what: &str| impossible("watch", what, "no layer of the picture has one");
+        if let Some([from, to]) = self.turntable.watch_range {
+            let table = now.layers.iter_mut().find(|l| l.table.is_some()).ok_or_else(|| none("range"))?;
+            table.range = Some([between([from[0], to[0]]), between([from[1], to[1]])]);
+            table.percentiles = None;
+        }
+        if let Some(levels) = self.turntable.watch_level {
+            let lines = now.layers.iter_mut().find(|l| l.isolines.is_some()).ok_or_else(|| none("level"))?;
+            lines.level = Some(between(levels));
+        }
+        Ok(now)
     }
 }
 
@@ -174,6 +210,34 @@ mod tests {
             let Texels::U8(image) = read.texels else { panic!("8 bits") };
             assert!(image.texels == alone.pixels, "frame {i}");
         }
+    }
+
+    #[test]
+    fn ranges_and_lines_wander_while_the_camera_stands() {
+        let text = "[input]\nfile = \"sample:flange\"\nresolution = 24\n[picture]\nsize = [48, 40]\n\
+                    [[layers]]\ntable = \"viridis\"\nfield = \"stress\"\noperator = \"replace\"\n\
+                    [[layers]]\nisolines = 50\nfield = \"stress\"\noperator = \"decal\"\n\
+                    [turntable]\nframes = 3\nwatch_range = [[0, 1], [0, 199]]\nwatch_level = [0, 50]";
+        let recipe = text::parse(text, Path::new("a.toml")).expect("a recipe");
+        let film = || Turntable::new(&recipe, Path::new(""), &Workers::new(1)).expect("a film").0;
+        let mut table = film();
+        assert_eq!(table.camera(0), table.camera(2));
+        let folder = tempfile::tempdir().expect("a folder for the test");
+        table.write(&recipe, (&folder.path().join("frames"), &[]), &Workers::new(1), &|_| ()).expect("frames");
+        let seen = |share| {
+            let now = recipe.at(share).expect("a moment");
+            let level = now.layers[1].level;
+            let mut table = film();
+            table.prepared.change(&now).expect("a change");
+            (table.prepared.keys[0].range, level, table.prepared.render(&Workers::new(1), &|_| ()).pixels)
+        };
+        let (first, middle) = (seen(0.0), seen(0.5));
+        assert_eq!((first.0, first.1, middle.0, middle.1), ([0.0, 1.0], Some(0.0), [0.0, 100.0], Some(25.0)));
+        let file = folder.path().join("frames/frame-0002.png");
+        let read = image_files::read(&std::fs::read(&file).expect("a frame"), &file).expect("a PNG").value;
+        let Texels::U8(image) = read.texels else { panic!("8 bits") };
+        assert!(image.texels == middle.2 && image.texels != first.2);
+        assert!(turntable("[turntable]\nwatch_level = [0, 1]").is_err(), "there are no lines");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use crate::assets::Scene;
 use crate::color::LinearRgb;
 use crate::error::{Error, Result};
 use crate::math::{Projection, Size, Vec3, unit_or};
+use crate::picture::legend::{LegendLayout, Position};
 use crate::picture::{Background, Curve, Develop, Environment, Light, LightKind, Lighting, Reflection};
 use crate::placement::Viewpoint;
 use crate::recipe::words::{choose, choose_or, color, impossible};
@@ -27,12 +28,43 @@ const VIEWS: [&str; 9] = ["three-quarter", "front", "back", "left", "right", "to
 /// What share of the shorter side an object fills.
 const FILL: f32 = 0.8;
 
+/// The part of a picture that the object is framed in, from its upper edge; the rest is the legend's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame {
+    /// Columns to the left of it.
+    pub left: u32,
+    /// Pixels across and down.
+    pub size: Size,
+}
+
+impl Frame {
+    /// What a legend leaves of a picture of `size`.
+    pub(super) fn beside(legend: Option<&LegendLayout>, size: Size) -> Self {
+        let Some(LegendLayout { width: room, position, .. }) = legend else { return Self { left: 0, size } };
+        let (left, across, down) = match position {
+            Position::Right => (0, *room, 0),
+            Position::Left => (*room, *room, 0),
+            Position::Bottom => (0, 0, *room),
+        };
+        Self { left, size: Size::new(size.width - across, size.height - down) }
+    }
+
+    /// What lies in both.
+    pub(super) fn and(self, other: Self) -> Self {
+        let left = self.left.max(other.left);
+        let right = (self.left + self.size.width).min(other.left + other.size.width);
+        Self { left, size: Size::new(right - left, self.size.height.min(other.size.height)) }
+    }
+}
+
 impl View {
-    /// How the scene's surface maps to cells: the view fills `frame`, at the top left of a picture of `size`, and goes on
-    /// beside it.
-    pub fn domain<'a>(&self, scene: &'a Scene, frame: Size, size: Size) -> Domain<'a> {
+    /// How the scene's surface maps to cells: the view fills `frame`, a part of a picture of `size`, and goes on beside it.
+    pub fn domain<'a>(&self, scene: &'a Scene, frame: Frame, size: Size) -> Domain<'a> {
         match self {
-            Self::Camera(camera) => Domain { size, ..Domain::through_camera(&scene.mesh, camera, frame) },
+            Self::Camera(camera) => {
+                let seen = Domain::through_camera(&scene.mesh, camera, frame.size).moved_right(frame.left);
+                Domain { size, ..seen }
+            }
             Self::Atlas(set) => Domain::over_atlas(&scene.mesh, *set, size),
         }
     }

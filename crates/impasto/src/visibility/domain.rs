@@ -35,6 +35,18 @@ impl<'a> Domain<'a> {
         Self { mesh, size, view: camera.viewpoint(), sight: camera.sight(size), near, map }
     }
 
+    /// The same with all that is seen `columns` cells further right.
+    pub fn moved_right(mut self, columns: u32) -> Self {
+        let by = columns as f32;
+        self.sight[0] -= self.sight[1] * by;
+        if let Map::Camera { cells_from_world: m } = &mut self.map {
+            for axis in [&mut m.x_axis, &mut m.y_axis, &mut m.z_axis, &mut m.w_axis] {
+                axis.x += by * axis.w;
+            }
+        }
+        self
+    }
+
     /// The surface laid flat by a UV set: cells are texels. `uv_set` must exist.
     pub fn over_atlas(mesh: &'a Mesh, uv_set: usize, size: Size) -> Self {
         let uv = &mesh.uv_sets()[uv_set].uv;

@@ -2,6 +2,8 @@
 
 use super::json::{Fault, Json};
 use crate::assets::Neighbours;
+use crate::assets::numbers::Kind;
+use crate::assets::packed;
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -54,7 +56,8 @@ impl<'a> Buffers<'a> {
         if let Some(data) = uri.strip_prefix("data:") {
             let (kind, text) = data.split_once(',').ok_or("a data URI without a comma")?;
             return match kind.ends_with(";base64") {
-                true => from_base64(text.as_bytes()).ok_or_else(|| "a data URI with broken base64".into()),
+                true => packed::base64(text.as_bytes(), usize::MAX)
+                    .map_err(|fault| format!("a data URI with broken base64: {fault}")),
                 false => Ok(percent_decoded(text)),
             };
         }
@@ -87,7 +90,7 @@ impl<'a> Buffers<'a> {
 
     pub(super) fn accessor(&self, i: usize) -> Result<Accessor<'a>, Fault> {
         let json = self.root.item("accessors", i)?;
-        let component = Component::of(&json.need("componentType")?)?;
+        let component = component(&json.need("componentType")?)?;
         let kind = json.text("type")?.unwrap_or("");
         let [n_columns, n_rows] = match kind {
             "SCALAR" => [1, 1],
@@ -123,9 +126,9 @@ impl<'a> Buffers<'a> {
     pub(super) fn numbers(&self, accessor: &Accessor, normalized: bool) -> Result<Vec<f64>, Fault> {
         let a = accessor;
         let n = a.n_components();
-        let scale = if normalized { a.component.scale() } else { None };
-        let number = |x: f64| match scale {
-            Some(scale) => (x * scale).max(-1.0),
+        let step = if normalized { scale(a.component) } else { None };
+        let number = |x: f64| match step {
+            Some(step) => (x * step).max(-1.0),
             None => x,
         };
         self.check(a)?;
@@ -135,7 +138,7 @@ impl<'a> Buffers<'a> {
                 let offset = a.json.index("byteOffset")?.unwrap_or(0);
                 let mut numbers = Vec::with_capacity(a.count * n);
                 for element in self.elements(a, &view, offset, a.count)? {
-                    numbers.extend(a.offsets().map(|o| number(a.component.read(&element[o..]))));
+                    numbers.extend(a.offsets().map(|o| number(a.component.number(&element[o..], true))));
                 }
                 numbers
             }
@@ -144,7 +147,7 @@ impl<'a> Buffers<'a> {
         if let Some(sparse) = a.json.object("sparse")? {
             let count = sparse.need("count")?.as_index()?;
             let indices = sparse.need("indices")?;
-            let index_type = Component::of(&indices.need("componentType")?)?;
+            let index_type = component(&indices.need("componentType")?)?;
             let index_accessor = Accessor {
                 json: indices.clone(),
                 component: index_type,
@@ -157,7 +160,7 @@ impl<'a> Buffers<'a> {
             let offset = indices.index("byteOffset")?.unwrap_or(0);
             let places: Vec<usize> = self
                 .elements(&index_accessor, &view, offset, count)?
-                .map(|bytes| index_type.read(bytes) as usize)
+                .map(|bytes| index_type.number(bytes, true) as usize)
                 .collect();
             let values = sparse.need("values")?;
             let view = self.view(values.need("bufferView")?.as_index()?)?;
@@ -167,7 +170,7 @@ impl<'a> Buffers<'a> {
                     return Err(sparse.fault(format_args!("element {place} of {} is replaced", a.count)));
                 }
                 for (i, o) in a.offsets().enumerate() {
-                    numbers[place * n + i] = number(a.component.read(&element[o..]));
+                    numbers[place * n + i] = number(a.component.number(&element[o..], true));
                 }
             }
         }
@@ -223,7 +226,7 @@ impl View {
 /// How numbers lie in a view.
 pub(super) struct Accessor<'a> {
     pub(super) json: Json<'a>,
-    pub(super) component: Component,
+    pub(super) component: Kind,
     n_columns: usize,
     n_rows: usize,
     pub(super) count: usize,
@@ -237,7 +240,7 @@ impl Accessor<'_> {
 
     /// Bytes from column to column: those of matrices start at multiples of four.
     fn column_size(&self) -> usize {
-        let size = self.n_rows * self.component.n_bytes();
+        let size = self.n_rows * self.component.size();
         if self.n_columns > 1 { size.next_multiple_of(4) } else { size }
     }
 
@@ -247,89 +250,33 @@ impl Accessor<'_> {
 
     /// Where the components are in an element.
     fn offsets(&self) -> impl Iterator<Item = usize> {
-        let (column, rows, n_bytes) = (self.column_size(), self.n_rows, self.component.n_bytes());
+        let (column, rows, n_bytes) = (self.column_size(), self.n_rows, self.component.size());
         (0..self.n_columns).flat_map(move |c| (0..rows).map(move |r| c * column + r * n_bytes))
     }
 }
 
-/// glTF's number types.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
+/// How numbers of a component type are stored.
+fn component(json: &Json) -> Result<Kind, Fault> {
+    Ok(match json.as_index()? {
+        5120 => Kind::I8,
+        5121 => Kind::U8,
+        5122 => Kind::I16,
+        5123 => Kind::U16,
+        5125 => Kind::U32,
+        5126 => Kind::F32,
+        other => return Err(json.fault(format_args!("{other} is no component type"))),
+    })
 }
 
-impl Component {
-    fn of(json: &Json) -> Result<Self, Fault> {
-        Ok(match json.as_index()? {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            other => return Err(json.fault(format_args!("{other} is no component type"))),
-        })
+/// What a step is worth when the whole range means 1.
+fn scale(kind: Kind) -> Option<f64> {
+    match kind {
+        Kind::I8 => Some(1.0 / 127.0),
+        Kind::U8 => Some(1.0 / 255.0),
+        Kind::I16 => Some(1.0 / 32767.0),
+        Kind::U16 => Some(1.0 / 65535.0),
+        _ => None,
     }
-
-    fn n_bytes(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-
-    /// What a step is worth when the whole range means 1.
-    fn scale(self) -> Option<f64> {
-        match self {
-            Self::I8 => Some(1.0 / 127.0),
-            Self::U8 => Some(1.0 / 255.0),
-            Self::I16 => Some(1.0 / 32767.0),
-            Self::U16 => Some(1.0 / 65535.0),
-            Self::U32 | Self::F32 => None,
-        }
-    }
-
-    #[inline(always)]
-    fn read(self, b: &[u8]) -> f64 {
-        match self {
-            Self::I8 => b[0] as i8 as f64,
-            Self::U8 => b[0] as f64,
-            Self::I16 => i16::from_le_bytes([b[0], b[1]]) as f64,
-            Self::U16 => u16::from_le_bytes([b[0], b[1]]) as f64,
-            Self::U32 => u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f64,
-            Self::F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f64,
-        }
-    }
-}
-
-/// RFC 4648, both alphabets, padding and white space optional.
-fn from_base64(text: &[u8]) -> Option<Vec<u8>> {
-    let mut out = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut bits, mut n_bits) = (0u32, 0);
-    for &c in text {
-        let value = match c {
-            b'A'..=b'Z' => c - b'A',
-            b'a'..=b'z' => c - b'a' + 26,
-            b'0'..=b'9' => c - b'0' + 52,
-            b'+' | b'-' => 62,
-            b'/' | b'_' => 63,
-            b'=' | b' ' | b'\n' | b'\r' | b'\t' => continue,
-            _ => return None,
-        };
-        bits = bits << 6 | value as u32;
-        n_bits += 6;
-        if n_bits >= 8 {
-            n_bits -= 8;
-            out.push((bits >> n_bits) as u8);
-        }
-    }
-    Some(out)
 }
 
 /// `%20` and the like to bytes; a % that is none stays.

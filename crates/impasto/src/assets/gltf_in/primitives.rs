@@ -1,10 +1,11 @@
 //! Meshes of the file, put into the world one after another, and made one mesh.
 
 use super::Notes;
-use super::buffers::{Accessor, Buffers, Component};
+use super::buffers::{Accessor, Buffers};
 use super::json::{Fault, Json};
 use super::looks::Looks;
 use super::nodes::{Instance, weights};
+use crate::assets::numbers::Kind;
 use crate::assets::{Element, Field, Material, Part, RawMesh, TextureRef, UvSet, Values};
 use crate::math::{DVec3, Frame, Vec2, Vec3, Vec4, unit_or, vec2, vec3, vec4};
 use glam::{DMat3, DMat4};
@@ -188,7 +189,7 @@ impl<'a> Shape<'a> {
             None => (0..u32::try_from(n_vertices).map_err(|_| primitive.fault("too many vertices"))?).collect(),
             Some(i) => {
                 let accessor = self.buffers.accessor(i)?;
-                let fits = matches!(accessor.component, Component::U8 | Component::U16 | Component::U32);
+                let fits = matches!(accessor.component, Kind::U8 | Kind::U16 | Kind::U32);
                 if !fits || accessor.n_components() != 1 {
                     return Err(accessor.json.fault("indices must be unsigned whole numbers"));
                 }
@@ -459,7 +460,7 @@ impl Attributes<'_, '_> {
 
     /// Vectors that one can do without; those in integers are made unit (they are directions).
     fn optional<const N: usize>(&mut self, name: &str, meaning: Meaning) -> Option<Vec<[f64; N]>> {
-        let whole = self.accessor(name).ok().flatten().is_some_and(|a| a.component != Component::F32);
+        let whole = self.accessor(name).ok().flatten().is_some_and(|a| a.component != Kind::F32);
         let vectors = self.vectors::<N>(name, meaning);
         let vectors = self.found(vectors)?;
         let unit = |v: [f64; N]| {
@@ -537,7 +538,7 @@ impl Attributes<'_, '_> {
         }
         let text = |key| extra(key).and_then(|t| t.as_str());
         let values = match accessor.component {
-            Component::U32 => Values::F64(numbers),
+            Kind::U32 => Values::F64(numbers),
             _ => Values::F32(numbers.into_iter().map(|x| x as f32).collect()),
         };
         Ok(Field {
