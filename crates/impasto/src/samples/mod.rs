@@ -6,6 +6,7 @@
 mod atlas;
 pub mod bench;
 pub mod chameleon;
+pub mod cortex;
 mod curve;
 pub mod ethanol;
 pub mod flange;
@@ -22,12 +23,13 @@ use crate::math::Size;
 use texture::{charts, materials, normal_map};
 
 /// What [`scene`] can make: name, and one sentence.
-pub const NAMES: [(&str, &str); 17] = [
+pub const NAMES: [(&str, &str); 18] = [
     ("chameleon", "Impasto's mascot on its twig: painted skin, five parts, two data fields."),
     ("knot", "A torus knot in relief scales, one closed tube without a twist in its texture."),
     ("terrain", "Ten kilometres of mountains with snow and meadows, elevation and slope as data."),
     ("flange", "A machine part with four bolt holes, a bore with keyway, fillets, and a stress field."),
     ("ethanol", "A molecule's smooth surface, its electrostatic and its lipophilic potential."),
+    ("cortex", "A folded surface like half of a brain; its thickness is missing where the halves are joined."),
     ("displaced", "A gently waved sphere of marble."),
     ("icosphere", "A sphere of nearly equal triangles; its texture is the icosahedron's net."),
     ("plane", "A square on the ground with the chart for texture coordinates."),
@@ -54,6 +56,7 @@ pub fn scene(name: &str, resolution: u32, seed: u32) -> Option<Scene> {
         "terrain" => terrain::scene(n, texels, seed),
         "flange" => flange::scene(n),
         "ethanol" => ethanol::scene(n),
+        "cortex" => cortex::scene(n, seed),
         "knot" => {
             let mesh = plain::torus_knot(2, 3, 0.2, [4 * n, (n / 3).max(12)]);
             let around = 2.0;
