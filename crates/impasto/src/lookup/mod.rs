@@ -25,7 +25,7 @@ pub mod texture;
 pub mod vision;
 
 pub use color_table::{ColorTable, Scale};
-pub use evaluate::{Points, Scratch, alpha_of, evaluate};
+pub use evaluate::{Points, Scratch, Wanted, alpha_of, evaluate};
 pub use filter::{Filter, Keep};
 pub use isolines::{Isolines, Levels, Line};
 pub use layer::{Channel, Constants, Layer, Look, Target, Texture, TextureId};

@@ -21,6 +21,7 @@ mod metal_rough;
 pub mod render;
 pub mod shade;
 pub mod sphere_texture;
+mod stretches;
 pub mod surroundings;
 mod svg;
 pub mod swatch;

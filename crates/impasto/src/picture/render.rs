@@ -6,9 +6,10 @@
 
 use crate::assets::{AlphaMode, Mesh, Part};
 use crate::color::LinearRgba;
-use crate::lookup::{self, Looks, Points, Shading, Surfaces};
+use crate::lookup::{self, Looks, Points, Shading, Surfaces, Wanted};
 use crate::math::{BATCH, Lane};
 use crate::par::Workers;
+use crate::picture::stretches::Stretches;
 use crate::picture::{self, Lighting};
 use crate::placement::{Needs, Surfels, TexCoords};
 use crate::visibility::{
@@ -170,12 +171,6 @@ struct Waiting {
 impl Waiting {
     const EMPTY: Self = Self { n: 0, cell: [0; BATCH], triangle: [0; BATCH], samples: [0; BATCH] };
 
-    /// Whether eight more would still fit a batch.
-    #[inline(always)]
-    fn has_room(&self) -> bool {
-        self.n + LANES <= BATCH_FILL
-    }
-
     #[inline(always)]
     fn push(&mut self, cell: u32, triangle: u32, samples: u32) {
         self.cell[self.n] = cell;
@@ -194,6 +189,7 @@ struct Room {
     tile: Tile,
     batch: Batch,
     alpha: Option<Box<Batch>>,
+    stretches: Stretches,
     /// By look.
     waiting: Vec<Waiting>,
     /// Premultiplied linear light of the tile's cells.
@@ -257,7 +253,7 @@ impl<'a> Shader<'a> {
     fn shade(&mut self, tile: &Tile) {
         self.truncated = tile.truncated;
         if !self.room.is_dark {
-            self.room.light.fill([0.0; 4]);
+            self.room.light.as_flattened_mut().fill(0.0);
         }
         self.room.is_dark = !tile.touched;
         if !tile.touched {
@@ -284,55 +280,73 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Sorts a layer's cells by look: eight at a time those that show one triangle in all samples, one by one the others.
+    /// Sorts a layer's cells by look, those that show one triangle in all samples also by triangle.
     #[inline(always)]
     fn gather<S: Simd, const N: usize>(&mut self, simd: S, tile: &Tile, layer: &Layer) {
         let mut parts = PartCursor::new(self.domain.mesh, self.shot.looks);
-        let only_look = parts.only_look();
-        let (one_look, look) = (only_look.is_some(), only_look.unwrap_or(0));
+        // Where several looks meet in a cell, the order in which they are added shows in the last bits: it stays.
+        let sorts = N == 1 || parts.has_one_look();
+        let mut stretches = std::mem::take(&mut self.room.stretches);
+        stretches.clear();
         let columns = u32x8::from_fn(simd, |i| i as u32);
+        let nothing = u32x8::splat(simd, Hit::NOTHING);
         let extent = tile.extent.map(|e| e as usize);
-        for y in 0..extent[1] {
+        for row in (0..extent[1]).map(|y| y * TILE) {
+            let mut before = nothing;
+            let mut open = (row, Hit::NOTHING);
             for x in (0..extent[0]).step_by(LANES) {
-                let cell = y * TILE + x;
+                let cell = row + x;
+                let within = columns.simd_lt(u32x8::splat(simd, (extent[0] - x) as u32));
                 let ids = &layer.ids[cell * N..][..LANES * N];
-                let (first, same) = if N == 1 {
-                    (u32x8::from_slice(simd, ids), 0xff)
-                } else if is_nothing(simd, ids) {
-                    continue;
-                } else {
-                    let mut first = [0; LANES];
-                    let mut same = 0;
-                    for (lane, ids) in ids.as_chunks::<N>().0.iter().enumerate() {
-                        first[lane] = ids[0];
-                        let differences = ids.iter().fold(0, |bits, id| bits | (id ^ ids[0]));
-                        same |= ((differences == 0) as u32) << lane;
+                let mut shown = nothing;
+                if N == 1 {
+                    shown = within.select(u32x8::from_slice(simd, ids), nothing);
+                } else if !is_nothing(simd, ids) {
+                    let within = within.to_bitmask() as u32;
+                    let (first, same) = alike::<N>(ids);
+                    let whole = if sorts { same & within } else { 0 };
+                    shown =
+                        mask32x8::from_bitmask(simd, whole as u64).select(u32x8::load_array_ref(simd, &first), nothing);
+                    let mut rest = within & !whole;
+                    while rest != 0 {
+                        self.split(tile, layer, cell + rest.trailing_zeros() as usize, &mut parts);
+                        rest &= rest - 1;
                     }
-                    (u32x8::load_array_ref(simd, &first), same)
-                };
-                let something = !(first.simd_eq(u32x8::splat(simd, Hit::NOTHING)).to_bitmask() as u32);
-                let within = (1_u32 << (extent[0] - x).min(LANES)) - 1;
-                let whole = same & something & within;
-                if whole != 0 && one_look {
-                    if !self.room.waiting[look].has_room() {
-                        self.flush(tile, look);
-                    }
-                    let waiting = &mut self.room.waiting[look];
-                    let n = waiting.n;
-                    let keep = mask32x8::from_bitmask(simd, whole as u64);
-                    first.compress(keep).store_slice(&mut waiting.triangle[n..n + LANES]);
-                    let cells = columns + u32x8::splat(simd, cell as u32);
-                    cells.compress(keep).store_slice(&mut waiting.cell[n..n + LANES]);
-                    u32x8::splat(simd, (1 << N) - 1).store_slice(&mut waiting.samples[n..n + LANES]);
-                    waiting.n += whole.count_ones() as usize;
                 }
-                let mut rest = if one_look { !same & within } else { !same & within | whole };
-                while rest != 0 {
-                    self.split(tile, layer, cell + rest.trailing_zeros() as usize, &mut parts);
-                    rest &= rest - 1;
+                let mut cuts = !(shown.simd_eq(before.slide::<{ LANES - 1 }>(shown)).to_bitmask() as u32) & 0xff;
+                before = shown;
+                while cuts != 0 {
+                    let lane = cuts.trailing_zeros() as usize % LANES;
+                    cuts &= cuts - 1;
+                    if open.1 != Hit::NOTHING {
+                        stretches.push(open.1, open.0, cell + lane - open.0);
+                    }
+                    open = (cell + lane, shown.as_slice()[lane]);
                 }
             }
+            if open.1 != Hit::NOTHING {
+                stretches.push(open.1, open.0, row + extent[0] - open.0);
+            }
         }
+        stretches.each(
+            #[inline(always)]
+            |triangle, cell, n| {
+                let look = parts.look(triangle);
+                if self.room.waiting[look].n + n > BATCH_FILL {
+                    self.flush(tile, look);
+                }
+                let waiting = &mut self.room.waiting[look];
+                for k in (0..n).step_by(LANES) {
+                    let at = waiting.n + k;
+                    let cells = columns + u32x8::splat(simd, (cell + k) as u32);
+                    cells.store_slice(&mut waiting.cell[at..at + LANES]);
+                    u32x8::splat(simd, triangle).store_slice(&mut waiting.triangle[at..at + LANES]);
+                    u32x8::splat(simd, (1 << N) - 1).store_slice(&mut waiting.samples[at..at + LANES]);
+                }
+                waiting.n += n;
+            },
+        );
+        self.room.stretches = stretches;
     }
 
     /// The distinct triangles among one cell's samples.
@@ -346,7 +360,7 @@ impl<'a> Shader<'a> {
             left &= !samples;
             if triangle != Hit::NOTHING {
                 let look = parts.look(triangle);
-                if !self.room.waiting[look].has_room() {
+                if self.room.waiting[look].n == BATCH_FILL {
                     self.flush(tile, look);
                 }
                 self.room.waiting[look].push(cell as u32, triangle, samples);
@@ -361,18 +375,11 @@ impl<'a> Shader<'a> {
         if waiting.n == 0 {
             return;
         }
-        let n = waiting.n;
-        let surfels = &mut batch.surfels;
-        surfels.n = n;
-        surfels.triangle[..n].copy_from_slice(&waiting.triangle[..n]);
-        for (x, cell) in surfels.cell[0][..n].iter_mut().zip(&waiting.cell) {
-            *x = tile.origin[0] + cell % TILE as u32;
-        }
-        for (y, cell) in surfels.cell[1][..n].iter_mut().zip(&waiting.cell) {
-            *y = tile.origin[1] + cell / TILE as u32;
-        }
         let (domain, shot, needs) = (self.domain, self.shot, self.needs[look]);
-        dispatch!(self.workers.level(), simd => look_and_light(simd, domain, shot, look, needs, batch));
+        dispatch!(self.workers.level(), simd => {
+            place(tile.origin, waiting, &mut batch.surfels);
+            look_and_light(simd, domain, shot, look, needs, batch);
+        });
         self.composite(look);
         self.room.waiting[look].n = 0;
     }
@@ -385,7 +392,7 @@ impl<'a> Shader<'a> {
         let light: &mut [LinearRgba; TILE * TILE] = light.as_mut_slice().try_into().expect("a tile of light");
         let [r, g, b] = &*batch.light;
         if n_samples == 1 && through.is_empty() {
-            for i in 0..waiting.n {
+            for i in 0..waiting.n.min(BATCH) {
                 light[waiting.cell[i] as usize % (TILE * TILE)] = [r[i], g[i], b[i], 1.0];
             }
             return;
@@ -439,14 +446,28 @@ impl Drop for Loan<'_> {
     }
 }
 
+/// Columns, rows and triangles of what waits.
+#[inline(always)]
+fn place(origin: [u32; 2], waiting: &Waiting, surfels: &mut Surfels) {
+    surfels.n = waiting.n;
+    let [x, y] = &mut surfels.cell;
+    // All of the batch, so that the loop is one of whole vectors.
+    for i in 0..BATCH {
+        x[i] = origin[0] + waiting.cell[i] % TILE as u32;
+        y[i] = origin[1] + waiting.cell[i] / TILE as u32;
+        surfels.triangle[i] = waiting.triangle[i];
+    }
+}
+
 /// Surface points, what is there, and what light makes of it.
 #[inline(always)]
 fn look_and_light<S: Simd>(simd: S, domain: &Domain, shot: &Shot, look: usize, needs: Needs, batch: &mut Batch) {
     let Batch { surfels, surfaces, scratch, light } = batch;
     visibility::fill(simd, domain, needs, &CENTER, surfels);
-    let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
-    lookup::evaluate(simd, (shot.looks, look), points, scratch, surfaces);
     let shading = if shot.unlit { Shading::Unlit } else { shot.looks.looks[look].shading };
+    let wanted = Wanted::Light(shading);
+    let points = Points { mesh: domain.mesh, view: &domain.view, surfels, wanted };
+    lookup::evaluate(simd, (shot.looks, look), points, scratch, surfaces);
     picture::shade(simd, shading, shot.lighting, surfels, surfaces, light);
 }
 
@@ -463,10 +484,8 @@ impl<'a> PartCursor<'a> {
         Self { mesh, looks, range: 0..0, look: 0 }
     }
 
-    /// The look of all parts, if they have but one.
-    fn only_look(&self) -> Option<usize> {
-        let first = *self.looks.look_of_part.first()?;
-        self.looks.look_of_part.iter().all(|l| *l == first).then_some(first as usize)
+    fn has_one_look(&self) -> bool {
+        self.looks.look_of_part.windows(2).all(|l| l[0] == l[1])
     }
 
     #[inline(always)]
@@ -479,6 +498,19 @@ impl<'a> PartCursor<'a> {
         }
         self.look
     }
+}
+
+/// For eight cells the triangle in their first sample, and in which of them (bits) all samples show the same.
+#[inline(always)]
+fn alike<const N: usize>(ids: &[u32]) -> ([u32; LANES], u32) {
+    let mut first = [0; LANES];
+    let mut same = 0;
+    for (lane, ids) in ids.as_chunks::<N>().0.iter().enumerate().take(LANES) {
+        first[lane] = ids[0];
+        let differences = ids.iter().fold(0, |bits, id| bits | (id ^ ids[0]));
+        same |= ((differences == 0) as u32) << lane;
+    }
+    (first, same)
 }
 
 /// Whether ids of whole vectors are [`Hit::NOTHING`] all.
@@ -522,7 +554,7 @@ fn alpha_test(
     let alpha = &mut surfaces.alpha;
     dispatch!(workers.level(), simd => {
         visibility::fill(simd, domain, needs, &within, surfels);
-        let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
+        let points = Points { mesh: domain.mesh, view: &domain.view, surfels, wanted: Wanted::Alpha };
         lookup::alpha_of(simd, (shot.looks, look), points, scratch, alpha);
     });
     lanes().enumerate().filter(|(i, _)| alpha[*i] >= cutoff).fold(0, |kept, (_, lane)| kept | 1 << lane)
