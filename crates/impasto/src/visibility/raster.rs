@@ -59,8 +59,8 @@ struct Pass<'a, 'f, S: Simd, const N: usize> {
     test: Option<&'a mut AlphaTest<'f>>,
     ids: &'a mut [u32],
     depths: &'a mut [f32],
-    /// Ids and depths of the layer before this one.
-    before: Option<(&'a [u32], &'a [f32])>,
+    /// The layer before this one.
+    before: Option<&'a Layer>,
     /// A lower bound of the depths in each 8 x 8 block.
     farthest: [f32; TILE_CELLS / 64],
     /// Triangles drawn into parts of each block since.
@@ -204,7 +204,7 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
             test,
             ids: &mut layer.ids[..n],
             depths: &mut layer.depths[..n],
-            before: before.map(|b| (&b.ids[..n], &b.depths[..n])),
+            before,
             farthest: [0.0; TILE_CELLS / 64],
             n_drawn: [0; TILE_CELLS / 64],
             offsets,
@@ -314,39 +314,42 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
         let simd = self.simd;
         let at = (y * SIDE + x) as usize * N + vector * LANES;
         let z = self.depth(plane, x, y, vector);
-        let depths: &mut [f32; LANES] = (&mut self.depths[at..at + LANES]).try_into().expect("eight samples");
-        let old = f32x8::load_array_ref(simd, depths);
+        let old = f32x8::from_slice(simd, &self.depths[at..at + LANES]);
         let mut pass = inside & z.simd_gt(old);
-        if let Some((ids, depths)) = self.before {
+        if let Some(before) = self.before {
             // Behind the layer before, or at the same depth and later in order.
-            let (ids, depths) = (&ids[at..at + LANES], &depths[at..at + LANES]);
+            let (ids, depths) = (&before.ids[at..at + LANES], &before.depths[at..at + LANES]);
             let (b_id, b_z) = (u32x8::from_slice(simd, ids), f32x8::from_slice(simd, depths));
             let none = b_id.simd_eq(u32x8::splat(simd, Hit::NOTHING));
             let later = z.simd_eq(b_z) & u32x8::splat(simd, id & !TESTED).simd_gt(b_id);
             pass = pass & (z.simd_lt(b_z) | later) & !none;
         }
-        if id & TESTED != 0
-            && let Some(test) = &mut self.test
-            && pass.any_true()
-        {
-            let (column, row) = (self.origin[0] + x as u32, self.origin[1] + y as u32);
-            let bits = test(
-                id & !TESTED,
-                &Places {
-                    row,
-                    column: std::array::from_fn(|lane| column + (lane / N) as u32),
-                    within: std::array::from_fn(|lane| self.offsets[(vector * LANES + lane) % N]),
-                    bits: pass.to_bitmask() as u32,
-                },
-            );
+        if id & TESTED != 0 && pass.any_true() {
+            let bits = self.tested(id & !TESTED, [x, y], vector, pass.to_bitmask() as u32);
             pass &= mask32x8::from_bitmask(simd, bits as u64);
         }
+        let depths: &mut [f32; LANES] = (&mut self.depths[at..at + LANES]).try_into().expect("eight samples");
         let new = pass.select(z, old);
         new.store_array(depths);
         let ids: &mut [u32; LANES] = (&mut self.ids[at..at + LANES]).try_into().expect("eight samples");
         let old_ids = u32x8::load_array_ref(simd, ids);
         pass.select(u32x8::splat(simd, id & !TESTED), old_ids).store_array(ids);
         new
+    }
+
+    /// Which of a vector's samples (bits) pass the alpha test. A call on purpose: what is rare shall not slow what is not.
+    #[cold]
+    #[inline(never)]
+    fn tested(&mut self, id: u32, [x, y]: [i32; 2], vector: usize, bits: u32) -> u32 {
+        let Some(test) = &mut self.test else { return bits };
+        let (column, row) = (self.origin[0] + x as u32, self.origin[1] + y as u32);
+        let places = Places {
+            row,
+            column: std::array::from_fn(|lane| column + (lane / N) as u32),
+            within: std::array::from_fn(|lane| self.offsets[(vector * LANES + lane) % N]),
+            bits,
+        };
+        test(id, &places)
     }
 
     /// Depths of a vector of samples; the one expression that all bounds rely on.
@@ -423,6 +426,20 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
             },
         );
         let reach = BLOCK - 1;
+        // From an edge function in a block's or group's first cell to its bounds within.
+        let rise = kernel(
+            #[inline(always)]
+            |k: usize| bounds[k][1] + edges[k].0.max(0) * (Self::GROUP - 1),
+        );
+        let rises = [rise(0), rise(1), rise(2)];
+        let bound = kernel(
+            #[inline(always)]
+            |k: usize| {
+                let (a, b) = edges[k];
+                [bounds[k][0] + (a.min(0) + b.min(0)) * reach, bounds[k][1] + (a.max(0) + b.max(0)) * reach]
+            },
+        );
+        let block_bounds = [bound(0), bound(1), bound(2)];
         let (corner, sample_reach) = (self.corner, self.reach);
         let places = kernel(
             #[inline(always)]
@@ -431,15 +448,16 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
                 [first + sample_reach[axis][0], first + reach * STEPS + sample_reach[axis][1]]
             },
         );
-        for by in (y0 & !(BLOCK - 1)..=y1).step_by(BLOCK as usize) {
+        let mut by = (y0 & !(BLOCK - 1)) - BLOCK;
+        while by + BLOCK <= y1 {
+            by += BLOCK;
             // Eight blocks at a time: which may hold a place, which are inside whole?
             let mut most = i32x8::splat(simd, 0);
             let mut least = i32x8::splat(simd, 0);
             for k in 0..3 {
-                let (a, b) = edges[k];
-                let at = blocks[k] + i32x8::splat(simd, b * by);
-                most |= at + i32x8::splat(simd, bounds[k][1] + (a.max(0) + b.max(0)) * reach);
-                least |= at + i32x8::splat(simd, bounds[k][0] + (a.min(0) + b.min(0)) * reach);
+                let at = blocks[k] + i32x8::splat(simd, edges[k].1 * by);
+                least |= at + i32x8::splat(simd, block_bounds[k][0]);
+                most |= at + i32x8::splat(simd, block_bounds[k][1]);
             }
             let zero = i32x8::splat(simd, 0);
             let whole = least.simd_ge(zero).to_bitmask() as u32;
@@ -471,25 +489,25 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
                 // Eight groups at a time: which may hold a place? The bound stays low, until somebody looks.
                 for top in (by..by + BLOCK).step_by(Self::ROWS as usize) {
                     let mut most = i32x8::splat(simd, 0);
+                    let mut at = [[0; LANES]; 3];
                     for k in 0..3 {
                         let (a, b) = edges[k];
-                        let rise = a.max(0) * (Self::GROUP - 1);
-                        most |= groups[k] + i32x8::splat(simd, bounds[k][1] + rise + a * bx + b * top);
+                        let group = groups[k] + i32x8::splat(simd, a * bx + b * top);
+                        group.store_array(&mut at[k]);
+                        most |= group + i32x8::splat(simd, rises[k]);
                     }
                     let mut some = most.simd_ge(zero).to_bitmask() as u32;
                     while some != 0 {
-                        let group = some.trailing_zeros() as i32;
+                        let group = some.trailing_zeros() as usize % LANES;
                         some &= some - 1;
-                        let (x, y) = (bx + group % Self::ACROSS * Self::GROUP, top + group / Self::ACROSS);
+                        let (x, y) = (group as i32 % Self::ACROSS * Self::GROUP, group as i32 / Self::ACROSS);
+                        let (x, y) = (bx + x, top + y);
                         for vector in 0..Self::VECTORS {
-                            let at = kernel(
+                            let edge = kernel(
                                 #[inline(always)]
-                                |k: usize| {
-                                    let (a, b) = edges[k];
-                                    lanes[vector][k] + i32x8::splat(simd, a * x + b * y)
-                                },
+                                |k: usize| lanes[vector][k] + i32x8::splat(simd, at[k][group]),
                             );
-                            let inside = (at(0) | at(1) | at(2)).simd_ge(zero);
+                            let inside = (edge(0) | edge(1) | edge(2)).simd_ge(zero);
                             self.write(r.id, &plane, x, y, vector, inside);
                         }
                     }
