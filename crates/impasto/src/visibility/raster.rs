@@ -16,8 +16,6 @@ use fearless_simd::{f32x8, i32x8, mask32x8, prelude::*, u32x8};
 /// Cells along the side of a block.
 const BLOCK: i32 = 8;
 const SIDE: i32 = TILE as i32;
-/// Triangles whose box is at most this wide and high take the path without blocks.
-const SMALL: i32 = 16;
 /// Lanes of a vector.
 const LANES: usize = 8;
 
@@ -169,6 +167,9 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
     /// Groups across a block, and rows of a block that eight groups fill.
     const ACROSS: i32 = BLOCK / Self::GROUP;
     const ROWS: i32 = LANES as i32 / Self::ACROSS;
+    /// Triangles whose box is smaller than this, across and down, take the path without blocks: those it tests vector by
+    /// vector, which more samples make shorter.
+    const SMALL: i32 = if N == 1 { 32 } else { 16 };
     /// Vectors of a group.
     const VECTORS: usize = if N < LANES { 1 } else { N / LANES };
 
@@ -233,7 +234,7 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
             if columns[0] > columns[1] || rows[0] > rows[1] {
                 continue;
             }
-            if x1 - x0 < SMALL && y1 - y0 < SMALL {
+            if x1 - x0 < Self::SMALL && y1 - y0 < Self::SMALL {
                 self.small(r, columns, rows);
             } else {
                 self.large(r, columns, rows);
@@ -245,6 +246,17 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
     #[inline(always)]
     fn small(&mut self, r: &Record, [x0, x1]: [i32; 2], [y0, y1]: [i32; 2]) {
         let simd = self.simd;
+        if x1 - x0 >= BLOCK || y1 - y0 >= BLOCK {
+            let max = |a: f32, b: f32| if a > b { a } else { b };
+            let nearest = max(max(r.depth[0], r.depth[1]), r.depth[2]);
+            if self.each_block([x0, x1], [y0, y1], |pass, block, x, y| nearest <= pass.farthest(block, x, y)) {
+                return;
+            }
+            self.each_block([x0, x1], [y0, y1], |pass, block, _, _| {
+                pass.n_drawn[block] += 1;
+                true
+            });
+        }
         // Groups that never leave the tile's row.
         let first = if N == 1 { x0.min(SIDE - Self::GROUP) } else { x0 & -Self::GROUP };
         let (px, py) = (self.corner[0] + first * STEPS, self.corner[1] + y0 * STEPS);
@@ -514,6 +526,24 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
                 }
             }
         }
+    }
+
+    /// Whether `test(pass, block, column, row)` holds for all blocks that touch a box of cells; stops when it does not.
+    #[inline(always)]
+    fn each_block(
+        &mut self,
+        [x0, x1]: [i32; 2],
+        [y0, y1]: [i32; 2],
+        test: impl Fn(&mut Self, usize, i32, i32) -> bool,
+    ) -> bool {
+        for y in y0 / BLOCK..=y1 / BLOCK {
+            for x in x0 / BLOCK..=x1 / BLOCK {
+                if !test(self, (y * (SIDE / BLOCK) + x) as usize, x * BLOCK, y * BLOCK) {
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     /// A lower bound of a block's depths: looked for anew when some triangles were drawn since it was.
