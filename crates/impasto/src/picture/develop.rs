@@ -6,8 +6,11 @@
 //! draws the colour towards white, as film does. The bend is Reinhard's extended curve (2002), which reaches white.
 
 use crate::color::{Encoding, LinearRgb, LinearRgba, Srgb8Encoder};
-use crate::math::{Each, exact};
-use crate::picture::lanes::{V, V3, at_least, at_most, clamp01, exp2, larger, log2, mix, splat, splat3, width};
+use crate::math::{BATCH, Each, Lane, exact, kernel};
+use crate::picture::lanes::{
+    V, V3, at_least, at_most, clamp01, exp2, larger, load3, log2, mix, registers, splat, splat3, width,
+};
+use crate::visibility::TILE;
 use fearless_simd::{Simd, prelude::*};
 
 /// How linear light becomes the numbers of a picture file.
@@ -70,17 +73,63 @@ impl Develop {
             (cells, under),
             out,
             #[inline(always)]
-            |at, color, alpha, out| match (self.dither, self.encoding) {
-                (false, Encoding::Srgb) => store_srgb8::<S>(&encoder, color, alpha, out),
-                (false, Encoding::Linear) => store_linear8(simd, color, alpha, [0.5; WIDEST], out),
-                (true, encoding) => {
-                    let color = if encoding == Encoding::Srgb { srgb(simd, color) } else { color };
-                    let mut pattern = [0.0; WIDEST];
-                    (0..out.len()).for_each(|i| pattern[i] = threshold((at + i) as u32, y));
-                    store_linear8(simd, color, alpha, pattern, out);
-                }
+            |at, color, alpha, out| {
+                let threshold = kernel(
+                    #[inline(always)]
+                    |i: usize| threshold((at + i) as u32, y),
+                );
+                self.store8(simd, &encoder, (color, alpha), threshold, out);
             },
         );
+    }
+
+    /// The same for opaque cells anywhere in a tile of `TILE` x `TILE` cells: a batch's light to pixels of the tile, as
+    /// their four bytes.
+    #[inline(always)]
+    pub(super) fn opaque8<S: Simd>(
+        &self,
+        simd: S,
+        light: &[Lane; 3],
+        (cells, n): (&[u32; BATCH], usize),
+        tile: &mut [u32; TILE * TILE],
+    ) {
+        let encoder = Srgb8Encoder::new();
+        let gain = self.gain();
+        for at in registers::<S>(n) {
+            let color = self.bent(simd, load3(simd, light, at), gain);
+            let cells = &cells[at..at + width::<S>()];
+            let threshold = kernel(
+                #[inline(always)]
+                |i: usize| threshold(cells[i] % TILE as u32, cells[i] / TILE as u32),
+            );
+            let mut pixels = [[0; 4]; WIDEST];
+            self.store8(simd, &encoder, (color, splat(simd, 1.0)), threshold, &mut pixels[..width::<S>()]);
+            for i in 0..width::<S>().min(n - at) {
+                tile[cells[i] as usize % (TILE * TILE)] = u32::from_le_bytes(pixels[i]);
+            }
+        }
+    }
+
+    /// Pixels from developed colours; `threshold` is the dither pattern's.
+    #[inline(always)]
+    fn store8<S: Simd>(
+        &self,
+        simd: S,
+        encoder: &Srgb8Encoder,
+        (color, alpha): (V3<S>, V<S>),
+        threshold: impl Fn(usize) -> f32,
+        out: &mut [[u8; 4]],
+    ) {
+        match (self.dither, self.encoding) {
+            (false, Encoding::Srgb) => store_srgb8::<S>(encoder, color, alpha, out),
+            (false, Encoding::Linear) => store_linear8(simd, color, alpha, [0.5; WIDEST], out),
+            (true, encoding) => {
+                let color = if encoding == Encoding::Srgb { srgb(simd, color) } else { color };
+                let mut pattern = [0.0; WIDEST];
+                (0..out.len()).for_each(|i| pattern[i] = threshold(i));
+                store_linear8(simd, color, alpha, pattern, out);
+            }
+        }
     }
 
     /// The same to 16-bit pixels; sRGB values are within one step of the exact curve.

@@ -10,15 +10,18 @@ use crate::lookup::{self, Looks, Points, Shading, Surfaces, Wanted};
 use crate::math::{BATCH, Lane};
 use crate::par::Workers;
 use crate::picture::stretches::Stretches;
-use crate::picture::{self, Lighting};
+use crate::picture::{self, Develop, Lighting};
 use crate::placement::{Needs, Surfels, TexCoords};
 use crate::visibility::{
-    self, AlphaTest, BATCH_FILL, CENTER, Domain, Draw, Faces, Hit, InfoBuffer, Kind, Places, Samples, TILE, Tile,
-    Tiles, tile::Layer,
+    self, AlphaTest, CENTER, Domain, Draw, Faces, InfoBuffer, Kind, Places, Samples, TILE, Tile, Tiles, tile::Layer,
 };
-use fearless_simd::{dispatch, mask32x8, prelude::*, u32x8};
+use fearless_simd::{Simd, dispatch};
+use gather::PartCursor;
 use std::ops::{Deref, DerefMut};
 use std::sync::Mutex;
+
+#[path = "gather.rs"]
+mod gather;
 
 /// All that a picture depends on besides where surfaces are seen, which a [`Domain`] says.
 pub struct Shot<'a> {
@@ -30,6 +33,26 @@ pub struct Shot<'a> {
     pub unlit: bool,
     /// Places looked at in each cell.
     pub samples: Samples,
+    /// Develop what may be developed by itself at once ([`Cells::developed`]).
+    pub develop: Option<Develop>,
+}
+
+/// What a run of cells sends towards the eye.
+#[derive(Clone, Copy, Debug)]
+pub struct Cells<'a> {
+    /// Premultiplied linear light; none where the cell is developed.
+    pub light: &'a [LinearRgba],
+    /// There is no light at all.
+    pub is_dark: bool,
+    /// Pixels of opaque cells that one surface fills, their four bytes; 0 for all others. Empty unless asked for.
+    pub developed: &'a [u32],
+}
+
+impl<'a> Cells<'a> {
+    /// None developed.
+    pub fn of_light(light: &'a [LinearRgba]) -> Self {
+        Self { light, is_dark: false, developed: &[] }
+    }
 }
 
 /// What a picture could not show.
@@ -69,14 +92,14 @@ impl Renderer {
     }
 
     /// Rasterizes and shades what [`sort`](Self::sort) prepared. `finish` gets the column and row of the first of a run of
-    /// cells, their premultiplied linear light, and their place in `picture`, which has one entry a cell.
+    /// cells, what they send to the eye, and their place in `picture`, which has one entry a cell.
     pub fn shade<T: Copy + Send>(
         &self,
         domain: &Domain,
         shot: &Shot,
         workers: &Workers,
         picture: &mut [T],
-        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+        finish: impl Fn([u32; 2], Cells, &mut [T]) + Sync,
     ) -> Shortfall {
         self.each_tile(domain, shot, workers, picture, finish, |index, shader| {
             let Room { tile, alpha, .. } = &mut *shader.room;
@@ -96,7 +119,7 @@ impl Renderer {
         shot: &Shot,
         workers: &Workers,
         picture: &mut [T],
-        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+        finish: impl Fn([u32; 2], Cells, &mut [T]) + Sync,
     ) -> Shortfall {
         assert_eq!((buffer.size, buffer.samples), (domain.size, shot.samples), "the buffer belongs to another view");
         self.each_tile(domain, shot, workers, picture, finish, |index, shader| shader.shade(&buffer.tiles[index]))
@@ -108,7 +131,7 @@ impl Renderer {
         shot: &Shot,
         workers: &Workers,
         picture: &mut [T],
-        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+        finish: impl Fn([u32; 2], Cells, &mut [T]) + Sync,
         shade: impl Fn(usize, &mut Shader) + Sync,
     ) -> Shortfall {
         assert_eq!(picture.len(), domain.size.n_cells(), "the picture has one entry a cell");
@@ -129,7 +152,10 @@ impl Renderer {
                 job.truncated = shader.truncated;
                 let (x, y) = ((index % n_x * TILE) as u32, (index / n_x * TILE) as u32);
                 for (i, row) in job.rows.iter_mut().enumerate() {
-                    finish([x, y + i as u32], &shader.room.light[i * TILE..][..row.len()], row);
+                    let Room { light, is_dark, developed, .. } = &*shader.room;
+                    let light = &light[i * TILE..][..row.len()];
+                    let developed = if shot.develop.is_some() { &developed[i * TILE..][..row.len()] } else { &[] };
+                    finish([x, y + i as u32], Cells { light, is_dark: *is_dark, developed }, row);
                 }
             },
         );
@@ -166,22 +192,22 @@ struct Waiting {
     cell: [u32; BATCH],
     triangle: [u32; BATCH],
     samples: [u32; BATCH],
+    /// Each fills its cell.
+    is_whole: bool,
 }
 
 impl Waiting {
-    const EMPTY: Self = Self { n: 0, cell: [0; BATCH], triangle: [0; BATCH], samples: [0; BATCH] };
+    const EMPTY: Self = Self { n: 0, cell: [0; BATCH], triangle: [0; BATCH], samples: [0; BATCH], is_whole: true };
 
     #[inline(always)]
     fn push(&mut self, cell: u32, triangle: u32, samples: u32) {
         self.cell[self.n] = cell;
         self.triangle[self.n] = triangle;
         self.samples[self.n] = samples;
+        self.is_whole = false;
         self.n += 1;
     }
 }
-
-/// Cells that are gathered together.
-const LANES: usize = 8;
 
 /// Room that a thread works in, kept from picture to picture.
 #[derive(Default)]
@@ -196,6 +222,10 @@ struct Room {
     light: Vec<LinearRgba>,
     /// Nothing but zeros is in `light`.
     is_dark: bool,
+    /// Pixels of the tile's cells that were developed as soon as they were lit.
+    developed: Vec<u32>,
+    /// Nothing but zeros is in `developed`.
+    is_blank: bool,
     /// What gets through to the next layer, for each sample of each cell; empty when nothing transparent was met.
     through: Vec<f32>,
 }
@@ -245,6 +275,7 @@ impl<'a> Shader<'a> {
         room.batch.surfels.uv.resize(domain.mesh.uv_sets().len(), TexCoords::ZERO);
         room.waiting.resize_with(n_looks, || Waiting::EMPTY);
         room.light.resize(TILE * TILE, [0.0; 4]);
+        room.developed.resize(TILE * TILE, 0);
         let needs = (0..n_looks).map(|look| needs(shot, look)).collect();
         Self { domain, shot, workers, needs, room, truncated: false }
     }
@@ -252,10 +283,13 @@ impl<'a> Shader<'a> {
     /// Fills `light` with what the tile's cells send towards the eye.
     fn shade(&mut self, tile: &Tile) {
         self.truncated = tile.truncated;
-        if !self.room.is_dark {
-            self.room.light.as_flattened_mut().fill(0.0);
+        let room = &mut *self.room;
+        if !std::mem::replace(&mut room.is_dark, true) {
+            room.light.as_flattened_mut().fill(0.0);
         }
-        self.room.is_dark = !tile.touched;
+        if !std::mem::replace(&mut room.is_blank, true) {
+            room.developed.fill(0);
+        }
         if !tile.touched {
             return;
         }
@@ -280,98 +314,10 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Sorts a layer's cells by look, those that show one triangle in all samples also by triangle.
-    #[inline(always)]
-    fn gather<S: Simd, const N: usize>(&mut self, simd: S, tile: &Tile, layer: &Layer) {
-        let mut parts = PartCursor::new(self.domain.mesh, self.shot.looks);
-        // Where several looks meet in a cell, the order in which they are added shows in the last bits: it stays.
-        let sorts = N == 1 || parts.has_one_look();
-        let mut stretches = std::mem::take(&mut self.room.stretches);
-        stretches.clear();
-        let columns = u32x8::from_fn(simd, |i| i as u32);
-        let nothing = u32x8::splat(simd, Hit::NOTHING);
-        let extent = tile.extent.map(|e| e as usize);
-        for row in (0..extent[1]).map(|y| y * TILE) {
-            let mut before = nothing;
-            let mut open = (row, Hit::NOTHING);
-            for x in (0..extent[0]).step_by(LANES) {
-                let cell = row + x;
-                let within = columns.simd_lt(u32x8::splat(simd, (extent[0] - x) as u32));
-                let ids = &layer.ids[cell * N..][..LANES * N];
-                let mut shown = nothing;
-                if N == 1 {
-                    shown = within.select(u32x8::from_slice(simd, ids), nothing);
-                } else if !is_nothing(simd, ids) {
-                    let within = within.to_bitmask() as u32;
-                    let (first, same) = alike::<N>(ids);
-                    let whole = if sorts { same & within } else { 0 };
-                    shown =
-                        mask32x8::from_bitmask(simd, whole as u64).select(u32x8::load_array_ref(simd, &first), nothing);
-                    let mut rest = within & !whole;
-                    while rest != 0 {
-                        self.split(tile, layer, cell + rest.trailing_zeros() as usize, &mut parts);
-                        rest &= rest - 1;
-                    }
-                }
-                let mut cuts = !(shown.simd_eq(before.slide::<{ LANES - 1 }>(shown)).to_bitmask() as u32) & 0xff;
-                before = shown;
-                while cuts != 0 {
-                    let lane = cuts.trailing_zeros() as usize % LANES;
-                    cuts &= cuts - 1;
-                    if open.1 != Hit::NOTHING {
-                        stretches.push(open.1, open.0, cell + lane - open.0);
-                    }
-                    open = (cell + lane, shown.as_slice()[lane]);
-                }
-            }
-            if open.1 != Hit::NOTHING {
-                stretches.push(open.1, open.0, row + extent[0] - open.0);
-            }
-        }
-        stretches.each(
-            #[inline(always)]
-            |triangle, cell, n| {
-                let look = parts.look(triangle);
-                if self.room.waiting[look].n + n > BATCH_FILL {
-                    self.flush(tile, look);
-                }
-                let waiting = &mut self.room.waiting[look];
-                for k in (0..n).step_by(LANES) {
-                    let at = waiting.n + k;
-                    let cells = columns + u32x8::splat(simd, (cell + k) as u32);
-                    cells.store_slice(&mut waiting.cell[at..at + LANES]);
-                    u32x8::splat(simd, triangle).store_slice(&mut waiting.triangle[at..at + LANES]);
-                    u32x8::splat(simd, (1 << N) - 1).store_slice(&mut waiting.samples[at..at + LANES]);
-                }
-                waiting.n += n;
-            },
-        );
-        self.room.stretches = stretches;
-    }
-
-    /// The distinct triangles among one cell's samples.
-    fn split(&mut self, tile: &Tile, layer: &Layer, cell: usize, parts: &mut PartCursor) {
-        let n_samples = self.shot.samples.n();
-        let ids = &layer.ids[cell * n_samples..][..n_samples];
-        let mut left: u32 = (1 << n_samples) - 1;
-        while left != 0 {
-            let triangle = ids[left.trailing_zeros() as usize];
-            let samples = ids.iter().rev().fold(0, |bits, &id| bits << 1 | (id == triangle) as u32);
-            left &= !samples;
-            if triangle != Hit::NOTHING {
-                let look = parts.look(triangle);
-                if self.room.waiting[look].n == BATCH_FILL {
-                    self.flush(tile, look);
-                }
-                self.room.waiting[look].push(cell as u32, triangle, samples);
-            }
-        }
-    }
-
     /// Looks up and lights what waits, and adds it to the cells.
     fn flush(&mut self, tile: &Tile, look: usize) {
-        let Room { waiting, batch, .. } = &mut *self.room;
-        let waiting = &waiting[look];
+        let room = &mut *self.room;
+        let (waiting, batch) = (&room.waiting[look], &mut room.batch);
         if waiting.n == 0 {
             return;
         }
@@ -380,14 +326,26 @@ impl<'a> Shader<'a> {
             place(tile.origin, waiting, &mut batch.surfels);
             look_and_light(simd, domain, shot, look, needs, batch);
         });
-        self.composite(look);
-        self.room.waiting[look].n = 0;
+        let is_opaque = shot.looks.looks[look].alpha_mode != AlphaMode::Blend;
+        match &shot.develop {
+            Some(develop) if waiting.is_whole && is_opaque && tile.n_layers == 0 => {
+                let Room { developed, is_blank, .. } = room;
+                let developed = developed.as_mut_slice().try_into().expect("a tile of pixels");
+                let (light, cells) = (&*batch.light, (&waiting.cell, waiting.n));
+                dispatch!(self.workers.level(), simd => develop.opaque8(simd, light, cells, developed));
+                *is_blank = false;
+            }
+            _ => self.composite(look),
+        }
+        let waiting = &mut self.room.waiting[look];
+        (waiting.n, waiting.is_whole) = (0, true);
     }
 
     /// Adds a batch's light to its cells, weighted by the samples covered and by what nearer layers let through.
     fn composite(&mut self, look: usize) {
         let n_samples = self.shot.samples.n();
-        let Room { waiting, batch, light, through, .. } = &mut *self.room;
+        let Room { waiting, batch, light, is_dark, through, .. } = &mut *self.room;
+        *is_dark = false;
         let waiting = &waiting[look];
         let light: &mut [LinearRgba; TILE * TILE] = light.as_mut_slice().try_into().expect("a tile of light");
         let [r, g, b] = &*batch.light;
@@ -469,60 +427,6 @@ fn look_and_light<S: Simd>(simd: S, domain: &Domain, shot: &Shot, look: usize, n
     let points = Points { mesh: domain.mesh, view: &domain.view, surfels, wanted };
     lookup::evaluate(simd, (shot.looks, look), points, scratch, surfaces);
     picture::shade(simd, shading, shot.lighting, surfels, surfaces, light);
-}
-
-/// Which look a triangle has; remembers the last part, for triangles come in runs.
-struct PartCursor<'a> {
-    mesh: &'a Mesh,
-    looks: &'a Looks,
-    range: std::ops::Range<u32>,
-    look: usize,
-}
-
-impl<'a> PartCursor<'a> {
-    fn new(mesh: &'a Mesh, looks: &'a Looks) -> Self {
-        Self { mesh, looks, range: 0..0, look: 0 }
-    }
-
-    fn has_one_look(&self) -> bool {
-        self.looks.look_of_part.windows(2).all(|l| l[0] == l[1])
-    }
-
-    #[inline(always)]
-    fn look(&mut self, triangle: u32) -> usize {
-        if !self.range.contains(&triangle) {
-            let parts = self.mesh.parts();
-            let part = parts.partition_point(|p| p.triangles.end <= triangle);
-            self.range = parts[part].triangles.clone();
-            self.look = self.looks.look_of_part[part] as usize;
-        }
-        self.look
-    }
-}
-
-/// For eight cells the triangle in their first sample, and in which of them (bits) all samples show the same.
-#[inline(always)]
-fn alike<const N: usize>(ids: &[u32]) -> ([u32; LANES], u32) {
-    let mut first = [0; LANES];
-    let mut same = 0;
-    for (lane, ids) in ids.as_chunks::<N>().0.iter().enumerate().take(LANES) {
-        first[lane] = ids[0];
-        let differences = ids.iter().fold(0, |bits, id| bits | (id ^ ids[0]));
-        same |= ((differences == 0) as u32) << lane;
-    }
-    (first, same)
-}
-
-/// Whether ids of whole vectors are [`Hit::NOTHING`] all.
-#[inline(always)]
-fn is_nothing<S: Simd>(simd: S, ids: &[u32]) -> bool {
-    let all = u32x8::splat(simd, Hit::NOTHING);
-    ids.as_chunks::<LANES>()
-        .0
-        .iter()
-        .fold(all, |all, ids| all & u32x8::load_array_ref(simd, ids))
-        .simd_eq(all)
-        .all_true()
 }
 
 /// At which of up to eight places of a row (bits) a triangle is there.

@@ -10,10 +10,16 @@ struct Stretch {
     next: u16,
 }
 
-/// A triangle's first and last stretch.
+/// A triangle and its stretches.
 #[derive(Clone, Copy)]
 struct Chain {
     triangle: u32,
+    of: Of,
+}
+
+/// Where a triangle's stretches are.
+#[derive(Clone, Copy)]
+pub(super) struct Of {
     first: u16,
     last: u16,
 }
@@ -46,29 +52,32 @@ impl Stretches {
         let seen = &mut self.seen[triangle as usize % 256];
         match self.chains.get_mut((*seen as usize).wrapping_sub(1)) {
             Some(chain) if chain.triangle == triangle => {
-                self.stretches[chain.last as usize].next = new;
-                chain.last = new;
+                self.stretches[chain.of.last as usize].next = new;
+                chain.of.last = new;
             }
             _ => {
-                self.chains.push(Chain { triangle, first: new, last: new });
+                self.chains.push(Chain { triangle, of: Of { first: new, last: new } });
                 *seen = self.chains.len() as u16;
             }
         }
     }
 
-    /// Calls `take(triangle, first cell, cells)` for all stretches, a triangle's one after the other.
+    /// The triangles that show, and where to find their stretches; one may come again.
+    pub(super) fn triangles(&self) -> impl Iterator<Item = (u32, Of)> {
+        self.chains.iter().map(|chain| (chain.triangle, chain.of))
+    }
+
+    /// Calls `take(first cell, cells)` for a triangle's stretches.
     #[inline(always)]
-    pub(super) fn each(&self, mut take: impl FnMut(u32, usize, usize)) {
-        for chain in &self.chains {
-            let mut at = chain.first;
-            loop {
-                let Stretch { cell, n, next } = self.stretches[at as usize];
-                take(chain.triangle, cell as usize, n as usize);
-                if at == chain.last {
-                    break;
-                }
-                at = next;
+    pub(super) fn each(&self, of: Of, mut take: impl FnMut(usize, usize)) {
+        let mut at = of.first;
+        loop {
+            let Stretch { cell, n, next } = self.stretches[at as usize];
+            take(cell as usize, n as usize);
+            if at == of.last {
+                break;
             }
+            at = next;
         }
     }
 }
@@ -86,14 +95,14 @@ mod tests {
                 stretches.push(crate::math::hash(cell / 3 + round) % 700, cell as usize, 1);
             }
             let mut cells = Vec::new();
-            let mut n_changes = 0;
-            let mut last = None;
-            stretches.each(|triangle, cell, n| {
-                assert_eq!((triangle, n), (crate::math::hash(cell as u32 / 3 + round) % 700, 1));
-                n_changes += (last.replace(triangle) != Some(triangle)) as usize;
-                cells.push(cell);
-            });
-            assert!(n_changes < 4096 / 3, "{n_changes} changes of triangle");
+            for (triangle, of) in stretches.triangles() {
+                stretches.each(of, |cell, n| {
+                    assert_eq!((triangle, n), (crate::math::hash(cell as u32 / 3 + round) % 700, 1));
+                    cells.push(cell);
+                });
+            }
+            let n_chains = stretches.triangles().count();
+            assert!(n_chains < 4096 / 3, "{n_chains} chains");
             cells.sort_unstable();
             assert!(cells.into_iter().eq(0..4096));
         }
