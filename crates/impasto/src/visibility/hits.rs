@@ -125,67 +125,65 @@ fn find_runs<S: Simd>(simd: S, surfels: &Surfels, cuts: &mut [u16; BATCH + 1]) -
 #[inline(always)]
 fn set_up(domain: &Domain, cell_of: impl Fn(usize) -> usize, surfels: &Surfels, out: &mut Eight) {
     type Numbers = [f64; N];
-    {
-        // Homogeneous corners, x y w each, relative to the origin.
-        let mut v = [[[0.0_f32; N]; 3]; 3];
-        let mut origin = [[0.0_f32; N]; 2];
-        for lane in 0..N {
-            let cell = cell_of(lane) % BATCH;
-            for k in 0..2 {
-                origin[k][lane] = (surfels.cell[k][cell] & !(TILE as u32 - 1)) as i32 as f32;
-            }
-            out.corners[lane] = domain.mesh.triangles()[surfels.triangle[cell] as usize];
-            for k in 0..3 {
-                let c = domain.corner(out.corners[lane][k]);
-                v[k][0][lane] = c.x;
-                v[k][1][lane] = c.y;
-                v[k][2][lane] = c.w;
-            }
+    // Homogeneous corners, x y w each, relative to the origin.
+    let mut v = [[[0.0_f32; N]; 3]; 3];
+    let mut origin = [[0.0_f32; N]; 2];
+    for lane in 0..N {
+        let cell = cell_of(lane) % BATCH;
+        for k in 0..2 {
+            origin[k][lane] = (surfels.cell[k][cell] & !(TILE as u32 - 1)) as i32 as f32;
         }
-        let mut q = [[[0.0_f64; N]; 3]; 3];
-        for corner in 0..3 {
+        out.corners[lane] = domain.mesh.triangles()[surfels.triangle[cell] as usize];
+        for k in 0..3 {
+            let c = domain.corner(out.corners[lane][k]);
+            v[k][0][lane] = c.x;
+            v[k][1][lane] = c.y;
+            v[k][2][lane] = c.w;
+        }
+    }
+    let mut q = [[[0.0_f64; N]; 3]; 3];
+    for corner in 0..3 {
+        for lane in 0..N {
+            let w = v[corner][2][lane] as f64;
+            q[corner][0][lane] = v[corner][0][lane] as f64 - origin[0][lane] as f64 * w;
+            q[corner][1][lane] = v[corner][1][lane] as f64 - origin[1][lane] as f64 * w;
+            q[corner][2][lane] = w;
+        }
+    }
+    let cross = |p: &[Numbers; 3], q: &[Numbers; 3]| -> [Numbers; 3] {
+        let mut r = [[0.0; N]; 3];
+        for k in 0..3 {
+            let (a, b) = ((k + 1) % 3, (k + 2) % 3);
             for lane in 0..N {
-                let w = v[corner][2][lane] as f64;
-                q[corner][0][lane] = v[corner][0][lane] as f64 - origin[0][lane] as f64 * w;
-                q[corner][1][lane] = v[corner][1][lane] as f64 - origin[1][lane] as f64 * w;
-                q[corner][2][lane] = w;
+                r[k][lane] = p[a][lane] * q[b][lane] - p[b][lane] * q[a][lane];
             }
         }
-        let cross = |p: &[Numbers; 3], q: &[Numbers; 3]| -> [Numbers; 3] {
-            let mut r = [[0.0; N]; 3];
-            for k in 0..3 {
-                let (a, b) = ((k + 1) % 3, (k + 2) % 3);
-                for lane in 0..N {
-                    r[k][lane] = p[a][lane] * q[b][lane] - p[b][lane] * q[a][lane];
-                }
-            }
-            r
-        };
-        let (e0, e1, e2) = (cross(&q[1], &q[2]), cross(&q[2], &q[0]), cross(&q[0], &q[1]));
-        let mut sum = [[0.0; N]; 3];
-        let (mut area, mut scale) = ([0.0; N], [0.0; N]);
-        for lane in 0..N {
-            for k in 0..3 {
-                sum[k][lane] = e0[k][lane] + e1[k][lane] + e2[k][lane];
-            }
-            area[lane] = q[0][0][lane] * e0[0][lane] + q[0][1][lane] * e0[1][lane] + q[0][2][lane] * e0[2][lane];
-            // Any common factor is allowed: this one keeps f32 far from its limits whatever the model's unit.
-            let larger = |a: f64, b: f64| if a > b { a } else { b };
-            let (s, t, u) = (sum[2][lane].abs(), e1[2][lane].abs(), e2[2][lane].abs());
-            let largest = larger(larger(larger(s, t), u), larger(sum[0][lane].abs(), sum[1][lane].abs()));
-            scale[lane] = if largest > 0.0 { 1.0 / largest } else { 0.0 };
+        r
+    };
+    let (e0, e1, e2) = (cross(&q[1], &q[2]), cross(&q[2], &q[0]), cross(&q[0], &q[1]));
+    let mut sum = [[0.0; N]; 3];
+    let (mut area, mut scale) = ([0.0; N], [0.0; N]);
+    for lane in 0..N {
+        for k in 0..3 {
+            sum[k][lane] = e0[k][lane] + e1[k][lane] + e2[k][lane];
         }
-        for (k, e) in [&e1, &e2, &sum].into_iter().enumerate() {
-            for (out, e) in [&mut out.a[k], &mut out.b[k], &mut out.c[k]].into_iter().zip(e) {
-                for lane in 0..N {
-                    out[lane] = (e[lane] * scale[lane]) as f32;
-                }
+        area[lane] = q[0][0][lane] * e0[0][lane] + q[0][1][lane] * e0[1][lane] + q[0][2][lane] * e0[2][lane];
+        // Any common factor is allowed: this one keeps f32 far from its limits whatever the model's unit.
+        let larger = |a: f64, b: f64| if a > b { a } else { b };
+        let (s, t, u) = (sum[2][lane].abs(), e1[2][lane].abs(), e2[2][lane].abs());
+        let largest = larger(larger(larger(s, t), u), larger(sum[0][lane].abs(), sum[1][lane].abs()));
+        scale[lane] = if largest > 0.0 { 1.0 / largest } else { 0.0 };
+    }
+    for (k, e) in [&e1, &e2, &sum].into_iter().enumerate() {
+        for (out, e) in [&mut out.a[k], &mut out.b[k], &mut out.c[k]].into_iter().zip(e) {
+            for lane in 0..N {
+                out[lane] = (e[lane] * scale[lane]) as f32;
             }
         }
-        for lane in 0..N {
-            // With y down the front, counter-clockwise with y up, has a negative area.
-            out.side[lane] = if area[lane] < 0.0 { 1.0 } else { -1.0 };
-        }
+    }
+    for lane in 0..N {
+        // With y down the front, counter-clockwise with y up, has a negative area.
+        out.side[lane] = if area[lane] < 0.0 { 1.0 } else { -1.0 };
     }
 }
 
