@@ -3,9 +3,9 @@
 use anyhow::{Context, Result, bail};
 use impasto::math::Size;
 use impasto::par::Workers;
+use impasto::picture::Film;
 use impasto::picture::baseline::Baseline;
 use impasto::picture::render::{self, Renderer};
-use impasto::picture::{self, Develop};
 use impasto::samples::bench::NAMES;
 use impasto::visibility::{Domain, Samples, Tiles};
 use std::time::Instant;
@@ -109,11 +109,8 @@ fn draw(
     size: Size,
     picture: &mut [[u8; 4]],
 ) {
-    let develop: Develop = Baseline::DEVELOP;
-    renderer.shade(domain, shot, workers, picture, |[_, y], light, row| {
-        let under = Baseline::BACKGROUND.row(y, size);
-        picture::develop_row(&develop, workers, light, under, y, row);
-    });
+    let film = Film::new(&Baseline::DEVELOP, &Baseline::BACKGROUND, size, workers);
+    renderer.shade(domain, shot, workers, picture, |[_, y], cells, row| film.row(y, cells, row));
 }
 
 /// Median time of rasterizing the first frame without shading it.

@@ -82,7 +82,7 @@ fn bench(criterion: &mut Criterion) {
             criterion.bench_function(&format!("{name} ({level})"), |bencher| {
                 bencher.iter(|| {
                     b = (b + 1) % batches.len();
-                    let points = Points { mesh: &mesh, view: &VIEW, surfels: &batches[b] };
+                    let points = Points { mesh: &mesh, view: &VIEW, surfels: &batches[b], wanted: Wanted::All };
                     dispatch!(level_token, simd => evaluate(simd, (looks, 0), points, &mut scratch, &mut out));
                     black_box(&mut out);
                 });

@@ -3,9 +3,9 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use impasto::math::Size;
 use impasto::par::Workers;
+use impasto::picture::Film;
 use impasto::picture::baseline::Baseline;
-use impasto::picture::develop_row;
-use impasto::picture::render::{self, Renderer};
+use impasto::picture::render::{self, Cells, Renderer};
 use impasto::samples::bench::NAMES;
 use impasto::visibility::{Domain, Samples, Tile};
 use std::hint::black_box;
@@ -39,8 +39,9 @@ fn stages(c: &mut Criterion) {
                     });
                 });
             });
-            let finish = |[_, y]: [u32; 2], light: &[[f32; 4]], row: &mut [[u8; 4]]| {
-                develop_row(&Baseline::DEVELOP, &workers, light, Baseline::BACKGROUND.row(y, size), y, row);
+            let film = Film::new(&Baseline::DEVELOP, &Baseline::BACKGROUND, size, &workers);
+            let finish = |[_, y]: [u32; 2], cells: Cells, row: &mut [[u8; 4]]| {
+                film.row(y, cells, row);
             };
             let buffer = render::info_buffer(&domain, &shot, &workers);
             group.bench_function(label("shade again from the buffer"), |b| {

@@ -3,7 +3,7 @@
 use crate::assets::{Element, Field, Mesh};
 use crate::color::{LinearRgb, LinearRgba};
 use crate::inspect::address::{TexelAddress, texel};
-use crate::lookup::{self, Look, Points, Surfaces, Texture};
+use crate::lookup::{self, Look, Points, Surfaces, Texture, Wanted};
 use crate::math::{Size, Vec3};
 use crate::par::Workers;
 use crate::picture::render::{self, Shot};
@@ -144,7 +144,7 @@ fn find(domain: &Domain, shot: &Shot, cell: [u32; 2], (triangle, depth): (u32, f
     // Any level gives the same bits; for one point the scalar one does.
     let simd = Fallback::new();
     visibility::fill(simd, domain, everything, &visibility::CENTER, &mut surfels);
-    let points = Points { mesh, view: &domain.view, surfels: &surfels };
+    let points = Points { mesh, view: &domain.view, surfels: &surfels, wanted: Wanted::All };
     lookup::evaluate(simd, (shot.looks, look_index), points, &mut scratch, &mut surfaces);
 
     let lane3 = |l: &[crate::math::Lane; 3]| Vec3::new(l[0][0], l[1][0], l[2][0]);

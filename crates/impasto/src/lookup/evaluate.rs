@@ -9,7 +9,7 @@ use crate::lookup::layer::{Channel, Layer, Look, Target, Texture};
 use crate::lookup::normal::{self, Bumps};
 use crate::lookup::operator::{Gate, Operator, combine_alpha, combine_color, combine_number, rules};
 use crate::lookup::read::ReadScratch;
-use crate::lookup::{BaseFormat, Looks, Reading, Surfaces};
+use crate::lookup::{BaseFormat, Looks, Reading, Shading, Surfaces};
 use crate::math::{BATCH, Lane};
 use crate::placement::{self, Measures, Placement, Surfels, TexCoords, Viewpoint};
 use fearless_simd::Simd;
@@ -23,6 +23,39 @@ pub struct Points<'a> {
     pub view: &'a Viewpoint,
     /// The points; all lanes that [`Look::needs`] asks for.
     pub surfels: &'a Surfels,
+    /// What is asked.
+    pub wanted: Wanted,
+}
+
+/// Which lanes of [`Surfaces`] somebody will read; the others stay stale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// All.
+    All,
+    /// Those that light reads: all but `height` and `info` under [`Shading::MetalRough`]; without light `color` and
+    /// `alpha`, and otherwise `normal`, `occlusion` and `emission` too.
+    Light(Shading),
+    /// Only `alpha`.
+    Alpha,
+}
+
+impl Wanted {
+    /// Whether what a layer changes is read.
+    fn reads(self, target: Target) -> bool {
+        let is_lit = !matches!(self, Self::Light(Shading::Unlit) | Self::Alpha);
+        let is_glossy = matches!(self, Self::All | Self::Light(Shading::MetalRough));
+        match target {
+            Target::Color => self != Self::Alpha,
+            Target::Alpha => true,
+            Target::Normal { .. } | Target::Bump { .. } | Target::Occlusion | Target::Emission => is_lit,
+            Target::Roughness
+            | Target::Metalness
+            | Target::Coat
+            | Target::CoatRoughness
+            | Target::CoatNormal { .. } => is_glossy,
+            Target::Height { .. } | Target::Info => self == Self::All,
+        }
+    }
 }
 
 /// Room for what passes hand to each other; one a thread.
@@ -81,12 +114,12 @@ pub fn evaluate_measured<S: Simd>(
 ) {
     let look = &looks.looks[look];
     start(simd, look, points, out);
-    stack(simd, looks, look, points, Wanted::All, scratch, out);
+    stack(simd, looks, look, points, scratch, out);
     let n = points.surfels.n;
     finish_alpha(look, n, &scratch.kept, &mut out.alpha);
     simd.vectorize(
         #[inline(always)]
-        || normal::finish(look, points.surfels, &scratch.bumps, out),
+        || normal::finish(look, points, &scratch.bumps, out),
     );
 }
 
@@ -104,50 +137,43 @@ pub fn alpha_of<S: Simd>(
     scratch.measures.clear();
     let mut surfaces = scratch.surfaces.take().unwrap_or_else(Surfaces::new);
     start_alpha(look, points, &mut surfaces.alpha);
-    stack(simd, looks, look, points, Wanted::Alpha, scratch, &mut surfaces);
+    stack(simd, looks, look, Points { wanted: Wanted::Alpha, ..points }, scratch, &mut surfaces);
     finish_alpha(look, n, &scratch.kept, &mut surfaces.alpha);
     out[..n].copy_from_slice(&surfaces.alpha[..n]);
     scratch.surfaces = Some(surfaces);
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Wanted {
-    All,
-    Alpha,
-}
-
-/// The constants, and the mesh's own colours and normals.
+/// The constants, and the mesh's own colours and normals: all of the lanes, so that the loops are of whole vectors.
 #[inline(always)]
 fn start<S: Simd>(simd: S, look: &Look, points: Points, out: &mut Surfaces) {
     simd.vectorize(
         #[inline(always)]
         || {
-            let n = points.surfels.n.min(BATCH);
-            let constants = &look.constants;
-            out.n = n;
+            let (constants, wanted) = (&look.constants, points.wanted);
+            out.n = points.surfels.n;
             for (c, lane) in out.color.iter_mut().enumerate() {
-                fill(lane, n, constants.color[c]);
+                *lane = [constants.color[c]; BATCH];
                 if has_colors(look, points) {
-                    (0..n).for_each(|i| lane[i] *= points.surfels.color[c][i]);
+                    (0..BATCH).for_each(|i| lane[i] *= points.surfels.color[c][i]);
                 }
             }
-            for (lane, x) in [
-                (&mut out.roughness, constants.roughness),
-                (&mut out.metalness, constants.metalness),
-                (&mut out.occlusion, 1.0),
-                (&mut out.coat, constants.coat),
-                (&mut out.coat_roughness, constants.coat_roughness),
-                (&mut out.height, 0.0),
-            ] {
-                fill(lane, n, x);
+            if wanted.reads(Target::Emission) {
+                out.occlusion = [1.0; BATCH];
+                out.emission.iter_mut().zip(constants.emission).for_each(|(lane, x)| *lane = [x; BATCH]);
+                out.normal = points.surfels.normal;
             }
-            out.emission.iter_mut().zip(constants.emission).for_each(|(lane, x)| fill(lane, n, x));
-            out.info.iter_mut().for_each(|lane| fill(lane, n, 0.0));
+            if wanted.reads(Target::Roughness) {
+                out.roughness = [constants.roughness; BATCH];
+                out.metalness = [constants.metalness; BATCH];
+                out.coat = [constants.coat; BATCH];
+                out.coat_roughness = [constants.coat_roughness; BATCH];
+                out.coat_normal = points.surfels.normal;
+            }
+            if wanted.reads(Target::Info) {
+                out.height = [0.0; BATCH];
+                out.info = [[0.0; BATCH]; 4];
+            }
             start_alpha(look, points, &mut out.alpha);
-            for axis in 0..3 {
-                out.normal[axis][..n].copy_from_slice(&points.surfels.normal[axis][..n]);
-                out.coat_normal[axis][..n].copy_from_slice(&points.surfels.normal[axis][..n]);
-            }
         },
     );
 }
@@ -187,16 +213,8 @@ fn finish_alpha(look: &Look, n: usize, kept: &Lane, alpha: &mut Lane) {
 
 /// Layer after layer. Layers that stand together and read the same place of the same texture share one reading.
 #[inline(always)]
-fn stack<S: Simd>(
-    simd: S,
-    looks: &Looks,
-    look: &Look,
-    points: Points,
-    wanted: Wanted,
-    scratch: &mut Scratch,
-    out: &mut Surfaces,
-) {
-    let n = points.surfels.n;
+fn stack<S: Simd>(simd: S, looks: &Looks, look: &Look, points: Points, scratch: &mut Scratch, out: &mut Surfaces) {
+    let (n, wanted) = (points.surfels.n, points.wanted);
     if look.has_alpha_test() {
         fill(&mut scratch.kept, n, 1.0);
     }
@@ -204,7 +222,7 @@ fn stack<S: Simd>(
     let (mut placed, mut read): (Option<&Layer>, Option<&Layer>) = (None, None);
     for layer in &look.layers {
         let Some(texture) = looks.textures.get(layer.texture.0 as usize) else { continue };
-        if wanted == Wanted::Alpha && !layer.touches_alpha(texture.format()) {
+        if !wanted.reads(layer.target) && !layer.touches_alpha(texture.format()) {
             continue;
         }
         let is_placed = placed.is_some_and(|p| p.placement == layer.placement && p.matrix == layer.matrix);
@@ -253,7 +271,7 @@ fn place(layer: &Layer, points: Points, measures: &mut Measures, coords: &mut Te
         return false;
     }
     if layer.placement.as_uv(&layer.matrix).is_none() {
-        let Points { mesh, view, surfels } = points;
+        let Points { mesh, view, surfels, .. } = points;
         placement::place(&layer.placement, &layer.matrix, view, mesh, surfels, measures, coords);
     }
     true
@@ -406,7 +424,7 @@ fn combine(
     let number = |lane: &mut Lane| combine_number(operator, gate, n, source, lane);
     match layer.target {
         Target::Color => {
-            if wanted == Wanted::All {
+            if wanted != Wanted::Alpha {
                 combine_color((color_rule, operator, 1.0), gate, n, rgba, &mut out.color);
             }
             combine_alpha((alpha_rule, operator), gate, n, &rgba[3], &mut out.alpha);

@@ -89,7 +89,7 @@ fn texture(image: &TextureImage, usage: Usage) -> Texture {
 
 fn evaluated(level: Level, looks: &Looks, mesh: &Mesh, surfels: &Surfels) -> Box<Surfaces> {
     let (mut scratch, mut out) = (Scratch::new(), Surfaces::new());
-    let points = Points { mesh, view: &VIEW, surfels };
+    let points = Points { mesh, view: &VIEW, surfels, wanted: Wanted::All };
     dispatch!(level, simd => evaluate(simd, (looks, 0), points, &mut scratch, &mut out));
     out
 }
@@ -191,7 +191,7 @@ fn alpha_alone_is_the_same_alpha() {
         looks.looks[0].alpha_mode = mode;
         let want = evaluated(Level::new(), &looks, &mesh, &surfels);
         let mut got = [7.0; BATCH];
-        let points = Points { mesh: &mesh, view: &VIEW, surfels: &surfels };
+        let points = Points { mesh: &mesh, view: &VIEW, surfels: &surfels, wanted: Wanted::All };
         dispatch!(Level::new(), simd => alpha_of(simd, (&looks, 0), points, &mut Scratch::new(), &mut got));
         assert_eq!(got[..200], want.alpha[..200], "{mode:?}");
         let n_gone = want.alpha[..200].iter().filter(|&&a| a == 0.0).count();

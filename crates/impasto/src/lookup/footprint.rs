@@ -36,14 +36,25 @@ pub(super) fn isotropic<S: Simd>(simd: S, texture: &ImageTexture, at: &TexCoords
 
 #[inline(always)]
 fn flat<S: Simd>(simd: S, texture: &ImageTexture, at: &TexCoords, n: usize, out: &mut Footprints) {
-    let [w, h] = texel_counts(texture);
-    let (w2, h2) = (f32x8::splat(simd, w * w), f32x8::splat(simd, h * h));
+    let size2 = squared_size(simd, texture);
     for i in (0..n).step_by(8) {
-        let dx = squared(simd, &at.d_dx[0], i) * w2 + squared(simd, &at.d_dx[1], i) * h2;
-        let dy = squared(simd, &at.d_dy[0], i) * w2 + squared(simd, &at.d_dy[1], i) * h2;
-        let longer = dx.simd_gt(dy).select(dx, dy);
-        half_log2(simd, longer).store_slice(&mut out.level[i..i + 8]);
+        flat_level(simd, size2, at, i).store_slice(&mut out.level[i..i + 8]);
     }
+}
+
+/// Squares of how many texels a line or plane has across and down.
+#[inline(always)]
+pub(super) fn squared_size<S: Simd>(simd: S, texture: &ImageTexture) -> [f32x8<S>; 2] {
+    let [w, h] = texel_counts(texture);
+    [splat(simd, w * w), splat(simd, h * h)]
+}
+
+/// The level of eight points on a line or plane.
+#[inline(always)]
+pub(super) fn flat_level<S: Simd>(simd: S, [w2, h2]: [f32x8<S>; 2], at: &TexCoords, i: usize) -> f32x8<S> {
+    let dx = squared(simd, &at.d_dx[0], i) * w2 + squared(simd, &at.d_dx[1], i) * h2;
+    let dy = squared(simd, &at.d_dy[0], i) * w2 + squared(simd, &at.d_dy[1], i) * h2;
+    half_log2(simd, dx.simd_gt(dy).select(dx, dy))
 }
 
 #[inline(always)]

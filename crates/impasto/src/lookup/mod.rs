@@ -25,7 +25,7 @@ pub mod texture;
 pub mod vision;
 
 pub use color_table::{ColorTable, Scale, is_hatched};
-pub use evaluate::{Points, Scratch, alpha_of, evaluate, evaluate_measured};
+pub use evaluate::{Points, Scratch, Wanted, alpha_of, evaluate, evaluate_measured};
 pub use filter::{Filter, Keep};
 pub use isolines::{Isolines, Levels, Line};
 pub use layer::{Channel, Constants, Layer, Look, Target, Texture, TextureId};

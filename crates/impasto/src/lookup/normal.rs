@@ -131,7 +131,8 @@ fn coordinate_frame(normal: Vec3, points: Points, coords: &TexCoords, i: usize) 
 
 /// Widens roughness by what maps hide, and turns normals to the side that is seen.
 #[inline(always)]
-pub(super) fn finish(look: &Look, surfels: &Surfels, bumps: &Bumps, out: &mut Surfaces) {
+pub(super) fn finish(look: &Look, points: Points, bumps: &Bumps, out: &mut Surfaces) {
+    let surfels = points.surfels;
     let n = surfels.n.min(BATCH);
     for (which, lane) in [&mut out.roughness, &mut out.coat_roughness].into_iter().enumerate() {
         if bumps.is_rough[which] {

@@ -1,6 +1,6 @@
 //! Texture coordinates to texel values: wrap, choose levels, fetch, filter.
 //!
-//! Short passes over a batch: fold the coordinates, size the footprints, then fetch and filter. 8-bit linear planes read
+//! Short passes over a batch: size the footprints, then fold the coordinates, fetch and filter. 8-bit linear planes read
 //! isotropically by bilinear filters have a path of their own in integers (`packed`); all else is filtered in f32.
 //! sRGB bytes are decoded by table before they are filtered.
 
@@ -9,9 +9,9 @@ use crate::color::LINEAR_FROM_SRGB8;
 use crate::lookup::footprint::{self, Footprints};
 use crate::lookup::packed::{self, Packed};
 use crate::lookup::texture::{ImageTexture, Level, Shape, Store, cube_face, float_from_half};
-use crate::math::{BATCH, Lane, floor};
+use crate::math::{BATCH, Lane, floor, kernel};
 use crate::placement::TexCoords;
-use fearless_simd::{Simd, SimdBase, SimdInto, f32x4};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdInto, f32x4, f32x8};
 
 /// What a texture says at each point of a batch.
 #[derive(Clone)]
@@ -31,14 +31,12 @@ impl Reading {
 
 /// Room for what passes hand to each other.
 pub(super) struct ReadScratch {
-    folded: [Lane; 3],
     footprints: Footprints,
     packed: Packed,
 }
 
 impl ReadScratch {
-    pub(super) const ZERO: Self =
-        Self { folded: [[0.0; BATCH]; 3], footprints: Footprints::ZERO, packed: Packed::ZERO };
+    pub(super) const ZERO: Self = Self { footprints: Footprints::ZERO, packed: Packed::ZERO };
 }
 
 impl ImageTexture {
@@ -56,12 +54,7 @@ impl ImageTexture {
         if let (Store::Unorm8(texels), true) = (&self.store, packed::suits(self)) {
             simd.vectorize(
                 #[inline(always)]
-                || {
-                    self.fold(at, n, &mut scratch.folded);
-                    footprint::isotropic(simd, self, at, n, &mut scratch.footprints);
-                    let (folded, level) = (&scratch.folded, &scratch.footprints.level);
-                    packed::read(simd, (self, texels), (folded, level), n, (&mut scratch.packed, &mut out.rgba));
-                },
+                || packed::read(simd, (self, texels), at, n, (&mut scratch.packed, &mut out.rgba)),
             );
             return;
         }
@@ -96,21 +89,6 @@ impl ImageTexture {
             MinFilter::Linear | MinFilter::LinearMipmapNearest | MinFilter::LinearMipmapLinear
         );
         is_flat && is_linear && self.sampler.max_anisotropy > 1
-    }
-
-    /// Brings s and t into [0, 1].
-    #[inline(always)]
-    fn fold(&self, at: &TexCoords, n: usize, out: &mut [Lane; 3]) {
-        // Never more; said so that the loops need no bounds checks and become vectors.
-        let n = n.min(BATCH);
-        for axis in 0..2 {
-            let (from, to) = (&at.st[axis], &mut out[axis]);
-            match self.sampler.wrap[axis] {
-                Wrap::Repeat => (0..n).for_each(|i| to[i] = fold(from[i], Wrap::Repeat)),
-                Wrap::MirroredRepeat => (0..n).for_each(|i| to[i] = fold(from[i], Wrap::MirroredRepeat)),
-                _ => (0..n).for_each(|i| to[i] = fold(from[i], Wrap::ClampToEdge)),
-            }
-        }
     }
 
     /// A border is no texel: the texture ends there.
@@ -390,10 +368,37 @@ pub(super) fn fold(x: f32, wrap: Wrap) -> f32 {
     }
 }
 
-/// From 2^23 on floats have no fraction; 0 stands for them, and for NaN.
+/// [`fold`] for eight coordinates, the same bits.
+#[inline(always)]
+pub(super) fn fold_vector<S: Simd>(simd: S, x: f32x8<S>, wrap: Wrap) -> f32x8<S> {
+    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+    let fractional = kernel(
+        #[inline(always)]
+        |x: f32x8<S>| x.abs().simd_lt(UNBROKEN).select(x, zero),
+    );
+    match wrap {
+        Wrap::Repeat => {
+            let x = fractional(x);
+            x - x.floor()
+        }
+        Wrap::MirroredRepeat => {
+            let x = fractional(x) * 0.5;
+            let x = (x - x.floor()) * 2.0;
+            x.simd_gt(one).select(f32x8::splat(simd, 2.0) - x, x)
+        }
+        Wrap::ClampToEdge | Wrap::ClampToBorder => {
+            let x = x.simd_gt(zero).select(x, zero);
+            x.simd_lt(one).select(x, one)
+        }
+    }
+}
+
+/// Floats from here on have at most halves; their fraction counts as 0, as does that of NaN.
+const UNBROKEN: f32 = 4_194_304.0;
+
 #[inline(always)]
 fn fractional(x: f32) -> f32 {
-    if x.abs() < 8_388_608.0 { x } else { 0.0 }
+    if x.abs() < UNBROKEN { x } else { 0.0 }
 }
 
 #[inline(always)]

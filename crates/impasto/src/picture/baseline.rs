@@ -57,7 +57,8 @@ impl Baseline {
 
     /// How it is looked up and lit.
     pub fn shot(&self, samples: Samples) -> Shot<'_> {
-        Shot { looks: &self.looks, lighting: &self.lighting, unlit: false, samples }
+        let develop = Some(Self::DEVELOP);
+        Shot { looks: &self.looks, lighting: &self.lighting, unlit: false, samples, develop }
     }
 
     /// What is behind it.

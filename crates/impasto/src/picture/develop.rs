@@ -6,8 +6,11 @@
 //! draws the colour towards white, as film does. The bend is Reinhard's extended curve (2002), which reaches white.
 
 use crate::color::{Encoding, LinearRgb, LinearRgba, Srgb8Encoder};
-use crate::math::{Each, exact};
-use crate::picture::lanes::{V, V3, at_least, at_most, clamp01, exp2, larger, log2, mix, splat, splat3, width};
+use crate::math::{BATCH, Each, Lane, exact, kernel};
+use crate::picture::lanes::{
+    V, V3, at_least, at_most, clamp01, exp2, larger, load3, log2, mix, registers, splat, splat3, width,
+};
+use crate::visibility::TILE;
 use fearless_simd::{Simd, prelude::*};
 
 /// How linear light becomes the numbers of a picture file.
@@ -43,10 +46,6 @@ pub const WHITE: f32 = 6.0;
 /// Cells in the widest register there is.
 const WIDEST: usize = 16;
 
-/// Cells whose channels are separated before they are developed: vectors loaded right after the stores of their parts
-/// would wait for them.
-const STRETCH: usize = 64;
-
 /// How fast bent colours fade to white.
 const FADE: f32 = 0.2;
 
@@ -74,17 +73,63 @@ impl Develop {
             (cells, under),
             out,
             #[inline(always)]
-            |at, color, alpha, out| match (self.dither, self.encoding) {
-                (false, Encoding::Srgb) => store_srgb8::<S>(&encoder, color, alpha, out),
-                (false, Encoding::Linear) => store_linear8(simd, color, alpha, [0.5; WIDEST], out),
-                (true, encoding) => {
-                    let color = if encoding == Encoding::Srgb { srgb(simd, color) } else { color };
-                    let mut pattern = [0.0; WIDEST];
-                    (0..out.len()).for_each(|i| pattern[i] = threshold((at + i) as u32, y));
-                    store_linear8(simd, color, alpha, pattern, out);
-                }
+            |at, color, alpha, out| {
+                let threshold = kernel(
+                    #[inline(always)]
+                    |i: usize| threshold((at + i) as u32, y),
+                );
+                self.store8(simd, &encoder, (color, alpha), threshold, out);
             },
         );
+    }
+
+    /// The same for opaque cells anywhere in a tile of `TILE` x `TILE` cells: a batch's light to pixels of the tile, as
+    /// their four bytes.
+    #[inline(always)]
+    pub(super) fn opaque8<S: Simd>(
+        &self,
+        simd: S,
+        light: &[Lane; 3],
+        (cells, n): (&[u32; BATCH], usize),
+        tile: &mut [u32; TILE * TILE],
+    ) {
+        let encoder = Srgb8Encoder::new();
+        let gain = self.gain();
+        for at in registers::<S>(n) {
+            let color = self.bent(simd, load3(simd, light, at), gain);
+            let cells = &cells[at..at + width::<S>()];
+            let threshold = kernel(
+                #[inline(always)]
+                |i: usize| threshold(cells[i] % TILE as u32, cells[i] / TILE as u32),
+            );
+            let mut pixels = [[0; 4]; WIDEST];
+            self.store8(simd, &encoder, (color, splat(simd, 1.0)), threshold, &mut pixels[..width::<S>()]);
+            for i in 0..width::<S>().min(n - at) {
+                tile[cells[i] as usize % (TILE * TILE)] = u32::from_le_bytes(pixels[i]);
+            }
+        }
+    }
+
+    /// Pixels from developed colours; `threshold` is the dither pattern's.
+    #[inline(always)]
+    fn store8<S: Simd>(
+        &self,
+        simd: S,
+        encoder: &Srgb8Encoder,
+        (color, alpha): (V3<S>, V<S>),
+        threshold: impl Fn(usize) -> f32,
+        out: &mut [[u8; 4]],
+    ) {
+        match (self.dither, self.encoding) {
+            (false, Encoding::Srgb) => store_srgb8::<S>(encoder, color, alpha, out),
+            (false, Encoding::Linear) => store_linear8(simd, color, alpha, [0.5; WIDEST], out),
+            (true, encoding) => {
+                let color = if encoding == Encoding::Srgb { srgb(simd, color) } else { color };
+                let mut pattern = [0.0; WIDEST];
+                (0..out.len()).for_each(|i| pattern[i] = threshold(i));
+                store_linear8(simd, color, alpha, pattern, out);
+            }
+        }
     }
 
     /// The same to 16-bit pixels; sRGB values are within one step of the exact curve.
@@ -134,46 +179,44 @@ impl Develop {
         assert_eq!(cells.len(), out.len(), "a row has as many pixels as cells");
         let gain = self.gain();
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let mut lanes = [[0.0; STRETCH]; 4];
         // Where nothing is, one pixel serves a whole row, but for the dither pattern.
         let mut nothing = None;
-        for (stretch, (cells, out)) in cells.chunks(STRETCH).zip(out.chunks_mut(STRETCH)).enumerate() {
+        let numbers: &[f32] = bytemuck::cast_slice(cells);
+        for first in (0..cells.len()).step_by(width::<S>()) {
+            let n = (cells.len() - first).min(width::<S>());
+            let (numbers, out) = (&numbers[4 * first..4 * (first + n)], &mut out[first..first + n]);
+            let four = match n == width::<S>() {
+                true => four_registers(simd, numbers),
+                false => {
+                    let mut padded = [0.0; 4 * WIDEST];
+                    padded[..4 * n].copy_from_slice(numbers);
+                    four_registers(simd, &padded)
+                }
+            };
             if let Some(nothing) = nothing
-                && cells.as_flattened().iter().fold(0, |bits, x| bits | x.to_bits()) == 0
+                && is_zero::<S>(four)
             {
-                out.fill(nothing);
+                fill(out, width::<S>(), nothing);
                 continue;
             }
-            separate(simd, cells, &mut lanes);
-            for (group, out) in out.chunks_mut(width::<S>()).enumerate() {
-                let at = group * width::<S>();
-                let [r, g, b, a]: [V<S>; 4] = lanes.each_ref().each(
+            let [r, g, b, a] = separated::<S>(four);
+            let empty = a.simd_eq(zero);
+            let full = a.simd_ge(one);
+            let (color, alpha) = if full.all_true() {
+                (self.bent(simd, [r, g, b], gain), one)
+            } else {
+                let alpha = clamp01(simd, a);
+                // Straight colour; where nothing is, alpha's floor only avoids a division by zero.
+                let inverse = one / at_least(simd, alpha, 1e-6);
+                let straight = [r, g, b].each(
                     #[inline(always)]
-                    |lane| V::<S>::from_slice(simd, &lane[at..at + width::<S>()]),
+                    |c| empty.select(zero, full.select(c, c * inverse)),
                 );
-                let empty = a.simd_eq(zero);
-                let is_empty = empty.all_true();
-                if let (true, Some(nothing)) = (is_empty, nothing) {
-                    out.fill(nothing);
-                    continue;
-                }
-                let full = a.simd_ge(one);
-                let (color, alpha) = if full.all_true() {
-                    (self.bent(simd, [r, g, b], gain), one)
-                } else {
-                    let alpha = clamp01(simd, a);
-                    // Straight colour; where nothing is, alpha's floor only avoids a division by zero.
-                    let inverse = one / at_least(simd, alpha, 1e-6);
-                    let straight = [r, g, b].each(
-                        #[inline(always)]
-                        |c| empty.select(zero, full.select(c, c * inverse)),
-                    );
-                    over(simd, self.bent(simd, straight, gain), alpha, under)
-                };
-                store(stretch * STRETCH + at, color, alpha, out);
-                if is_empty && !self.dither {
-                    nothing = Some(out[0]);
-                }
+                over(simd, self.bent(simd, straight, gain), alpha, under)
+            };
+            store(first, color, alpha, out);
+            if empty.all_true() && !self.dither {
+                nothing = Some(out[0]);
             }
         }
     }
@@ -181,15 +224,13 @@ impl Develop {
     /// Exposure and curve for a register of straight colours; within [0, 1], NaN is 0.
     #[inline(always)]
     fn bent<S: Simd>(&self, simd: S, color: V3<S>, gain: f32) -> V3<S> {
+        let most = if self.curve == Curve::Plain { 1.0 } else { 1e6 };
         let color = color.each(
             #[inline(always)]
-            |c| at_most(simd, at_least(simd, c * gain, 0.0), 1e6),
+            |c| at_most(simd, at_least(simd, c * gain, 0.0), most),
         );
         match self.curve {
-            Curve::Plain => color.each(
-                #[inline(always)]
-                |c| at_most(simd, c, 1.0),
-            ),
+            Curve::Plain => color,
             Curve::Filmic => {
                 let peak = larger::<S>(color[0], larger::<S>(color[1], color[2]));
                 let over = peak.simd_gt(splat(simd, KNEE));
@@ -232,20 +273,40 @@ fn over<S: Simd>(simd: S, color: V3<S>, alpha: V<S>, under: Option<LinearRgb>) -
     (over, one)
 }
 
-/// Cells to lanes, one for each channel. Lanes past the last cell are stale.
+/// A register's width of cells as they stand in memory.
 #[inline(always)]
-fn separate<S: Simd>(simd: S, cells: &[LinearRgba], lanes: &mut [[f32; STRETCH]; 4]) {
-    let (fours, rest) = cells.as_chunks::<4>();
-    for (i, four) in fours.iter().enumerate() {
-        let four: &[f32; 16] = four.as_flattened().as_array().expect("four cells of four channels");
-        for (lane, channel) in lanes.iter_mut().zip(simd.load_four_interleaved_f32x4(four)) {
-            channel.store_slice(&mut lane[i * 4..i * 4 + 4]);
-        }
-    }
-    for (i, cell) in rest.iter().enumerate() {
-        for (lane, channel) in lanes.iter_mut().zip(cell) {
-            lane[fours.len() * 4 + i] = *channel;
-        }
+fn four_registers<S: Simd>(simd: S, numbers: &[f32]) -> [V<S>; 4] {
+    let numbers = &numbers[..4 * width::<S>()];
+    [0, 1, 2, 3].each(
+        #[inline(always)]
+        |k: usize| V::<S>::from_slice(simd, &numbers[k * width::<S>()..(k + 1) * width::<S>()]),
+    )
+}
+
+/// Whether no bit is set.
+#[inline(always)]
+fn is_zero<S: Simd>(four: [V<S>; 4]) -> bool {
+    let [a, b, c, d]: [S::u32s; 4] = four.each(
+        #[inline(always)]
+        |v| v.bitcast(),
+    );
+    (a | b | c | d).simd_eq(0).all_true()
+}
+
+/// Cells to a register for each channel.
+#[inline(always)]
+fn separated<S: Simd>([a, b, c, d]: [V<S>; 4]) -> [V<S>; 4] {
+    // Red and blue, green and alpha, of one half of the cells and the other.
+    let (rb, ga) = ((a.unzip_low(b), c.unzip_low(d)), (a.unzip_high(b), c.unzip_high(d)));
+    [rb.0.unzip_low(rb.1), ga.0.unzip_low(ga.1), rb.0.unzip_high(rb.1), ga.0.unzip_high(ga.1)]
+}
+
+/// `out` filled with one pixel; quick where it is a register's width.
+#[inline(always)]
+fn fill<P: Copy>(out: &mut [P], width: usize, pixel: P) {
+    match out.len() == width {
+        true => (0..width).for_each(|i| out[i] = pixel),
+        false => out.fill(pixel),
     }
 }
 
@@ -280,8 +341,11 @@ fn store_linear8<S: Simd>(simd: S, color: V3<S>, alpha: V<S>, pattern: [f32; WID
     );
     let a: S::i32s = (alpha * 255.0 + 0.5).to_int();
     let pixels = r | (g << 8) | (b << 16) | (a << 24);
-    for (out, pixel) in out.iter_mut().zip(pixels.as_slice()) {
-        *out = pixel.to_le_bytes();
+    let pixels = pixels.as_slice();
+    match out.len() == width::<S>() {
+        // So many that the loop becomes one store.
+        true => (0..width::<S>()).for_each(|i| out[i] = pixels[i].to_le_bytes()),
+        false => (0..out.len()).for_each(|i| out[i] = pixels[i].to_le_bytes()),
     }
 }
 

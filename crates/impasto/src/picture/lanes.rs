@@ -64,6 +64,16 @@ pub(super) const fn width<S: Simd>() -> usize {
     V::<S>::LEN
 }
 
+/// Where the registers of a batch of `n` cells begin.
+#[inline(always)]
+pub(super) fn registers<S: Simd>(n: usize) -> impl Iterator<Item = usize> {
+    // Never more than a batch; said so that lanes need no bounds check.
+    (0..n.min(BATCH).div_ceil(width::<S>())).map(
+        #[inline(always)]
+        |register| register * width::<S>(),
+    )
+}
+
 /// The same number in every cell.
 #[inline(always)]
 pub(super) fn splat<S: Simd>(simd: S, x: f32) -> V<S> {
@@ -192,11 +202,16 @@ pub(super) fn pow<S: Simd>(simd: S, x: V<S>, y: f32) -> V<S> {
     x.simd_le(splat(simd, 0.0)).select(splat(simd, 0.0), p)
 }
 
-/// `x` to the power of `y` by multiplications alone, for a whole `y` from 1 to 256; 0 for x <= 0. Relative error below 1e-5.
+/// Below this the power is as good as zero; going there would meet numbers that processors are slow with.
 #[inline(always)]
-pub(super) fn whole_pow<S: Simd>(simd: S, x: V<S>, y: u32) -> V<S> {
-    // Below this the power is as good as zero; going there would meet numbers that processors are slow with.
-    let floor = crate::math::exp2(-120.0 / y as f32);
+pub(super) fn power_floor(y: f32) -> f32 {
+    crate::math::exp2(-120.0 / y)
+}
+
+/// `x` to the power of `y` by multiplications alone, for a whole `y` from 1 to 256 with its [`power_floor`]; 0 for x <= 0.
+/// Relative error below 1e-5.
+#[inline(always)]
+pub(super) fn whole_pow<S: Simd>(simd: S, x: V<S>, y: u32, floor: f32) -> V<S> {
     let mut square = at_least(simd, x, floor);
     let mut p = splat(simd, 1.0);
     let mut rest = y;

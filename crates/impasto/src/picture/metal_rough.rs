@@ -9,8 +9,8 @@
 use crate::lookup::Surfaces;
 use crate::math::Lane;
 use crate::picture::lanes::{
-    V, V3, add, at_least, at_most, clamp01, dot, exp2, inverse_length, load, load3, mix, per_channel, reflect, scale,
-    smaller, splat, store3, width,
+    V, V3, add, at_least, at_most, clamp01, dot, exp2, inverse_length, load, load3, mix, per_channel, reflect,
+    registers, scale, smaller, splat, store3,
 };
 use crate::picture::light::Lighting;
 use crate::picture::shade::{Arriving, ambient_at, arriving, softened};
@@ -33,7 +33,7 @@ pub(super) fn shade<S: Simd>(
     out: &mut [Lane; 3],
 ) {
     let constant = lighting.ambient.is_constant();
-    for at in (0..surfaces.n).step_by(width::<S>()) {
+    for at in registers::<S>(surfaces.n) {
         let view = load3(simd, &surfels.view, at);
         let base = Facets::new(simd, load3(simd, &surfaces.normal, at), view, load(simd, &surfaces.roughness, at));
         let metal = clamp01(simd, load(simd, &surfaces.metalness, at));

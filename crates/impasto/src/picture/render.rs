@@ -6,19 +6,21 @@
 
 use crate::assets::{AlphaMode, Mesh, Part};
 use crate::color::LinearRgba;
-use crate::lookup::{self, Looks, Points, Shading, Surfaces};
+use crate::lookup::{self, Looks, Points, Shading, Surfaces, Wanted};
 use crate::math::{BATCH, Lane};
 use crate::par::Workers;
-use crate::picture::{self, Lighting};
+use crate::picture::stretches::Stretches;
+use crate::picture::{self, Develop, Lighting};
 use crate::placement::{Needs, Surfels, TexCoords};
 use crate::visibility::{
-    self, AlphaTest, BATCH_FILL, CENTER, Domain, Draw, Faces, Hit, InfoBuffer, Kind, Places, Samples, TILE, Tile,
-    Tiles, tile::Layer,
+    self, AlphaTest, CENTER, Domain, Draw, Faces, InfoBuffer, Kind, Places, Samples, TILE, Tile, Tiles, tile::Layer,
 };
-use fearless_simd::{dispatch, mask32x8, prelude::*, u32x8};
+use fearless_simd::{Simd, dispatch};
+use gather::PartCursor;
 use std::ops::{Deref, DerefMut};
 use std::sync::Mutex;
 
+mod gather;
 mod still;
 
 pub use still::Still;
@@ -33,6 +35,26 @@ pub struct Shot<'a> {
     pub unlit: bool,
     /// Places looked at in each cell.
     pub samples: Samples,
+    /// Develop what may be developed by itself at once ([`Cells::developed`]).
+    pub develop: Option<Develop>,
+}
+
+/// What a run of cells sends towards the eye.
+#[derive(Clone, Copy, Debug)]
+pub struct Cells<'a> {
+    /// Premultiplied linear light; none where the cell is developed.
+    pub light: &'a [LinearRgba],
+    /// There is no light at all.
+    pub is_dark: bool,
+    /// Pixels of opaque cells that one surface fills, their four bytes; 0 for all others. Empty unless asked for.
+    pub developed: &'a [u32],
+}
+
+impl<'a> Cells<'a> {
+    /// None developed.
+    pub fn of_light(light: &'a [LinearRgba]) -> Self {
+        Self { light, is_dark: false, developed: &[] }
+    }
 }
 
 /// What a picture could not show.
@@ -72,14 +94,14 @@ impl Renderer {
     }
 
     /// Rasterizes and shades what [`sort`](Self::sort) prepared. `finish` gets the column and row of the first of a run of
-    /// cells, their premultiplied linear light, and their place in `picture`, which has one entry a cell.
+    /// cells, what they send to the eye, and their place in `picture`, which has one entry a cell.
     pub fn shade<T: Copy + Send>(
         &self,
         domain: &Domain,
         shot: &Shot,
         workers: &Workers,
         picture: &mut [T],
-        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+        finish: impl Fn([u32; 2], Cells, &mut [T]) + Sync,
     ) -> Shortfall {
         self.each_tile(domain, shot, workers, picture, finish, |index, shader| self.shade_tile(index, shader))
     }
@@ -102,7 +124,7 @@ impl Renderer {
         shot: &Shot,
         workers: &Workers,
         picture: &mut [T],
-        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+        finish: impl Fn([u32; 2], Cells, &mut [T]) + Sync,
     ) -> Shortfall {
         assert_eq!((buffer.size, buffer.samples), (domain.size, shot.samples), "the buffer belongs to another view");
         self.each_tile(domain, shot, workers, picture, finish, |index, shader| shader.shade(&buffer.tiles[index]))
@@ -114,7 +136,7 @@ impl Renderer {
         shot: &Shot,
         workers: &Workers,
         picture: &mut [T],
-        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+        finish: impl Fn([u32; 2], Cells, &mut [T]) + Sync,
         shade: impl Fn(usize, &mut Shader) + Sync,
     ) -> Shortfall {
         assert_eq!(picture.len(), domain.size.n_cells(), "the picture has one entry a cell");
@@ -135,7 +157,10 @@ impl Renderer {
                 job.truncated = shader.truncated;
                 let (x, y) = ((index % n_x * TILE) as u32, (index / n_x * TILE) as u32);
                 for (i, row) in job.rows.iter_mut().enumerate() {
-                    finish([x, y + i as u32], &shader.room.light[i * TILE..][..row.len()], row);
+                    let Room { light, is_dark, developed, .. } = &*shader.room;
+                    let light = &light[i * TILE..][..row.len()];
+                    let developed = if shot.develop.is_some() { &developed[i * TILE..][..row.len()] } else { &[] };
+                    finish([x, y + i as u32], Cells { light, is_dark: *is_dark, developed }, row);
                 }
             },
         );
@@ -172,42 +197,22 @@ struct Waiting {
     cell: [u32; BATCH],
     triangle: [u32; BATCH],
     samples: [u32; BATCH],
+    /// Each fills its cell.
+    is_whole: bool,
 }
 
 impl Waiting {
-    const EMPTY: Self = Self { n: 0, cell: [0; BATCH], triangle: [0; BATCH], samples: [0; BATCH] };
-
-    /// Whether eight more would still fit a batch.
-    #[inline(always)]
-    fn has_room(&self) -> bool {
-        self.n + LANES <= BATCH_FILL
-    }
+    const EMPTY: Self = Self { n: 0, cell: [0; BATCH], triangle: [0; BATCH], samples: [0; BATCH], is_whole: true };
 
     #[inline(always)]
     fn push(&mut self, cell: u32, triangle: u32, samples: u32) {
         self.cell[self.n] = cell;
         self.triangle[self.n] = triangle;
         self.samples[self.n] = samples;
+        self.is_whole = false;
         self.n += 1;
     }
-
-    /// Tells surfels where they are, in a tile with this first cell.
-    #[inline(always)]
-    fn place(&self, origin: [u32; 2], surfels: &mut Surfels) {
-        let n = self.n;
-        surfels.n = n;
-        surfels.triangle[..n].copy_from_slice(&self.triangle[..n]);
-        for (x, cell) in surfels.cell[0][..n].iter_mut().zip(&self.cell) {
-            *x = origin[0] + cell % TILE as u32;
-        }
-        for (y, cell) in surfels.cell[1][..n].iter_mut().zip(&self.cell) {
-            *y = origin[1] + cell / TILE as u32;
-        }
-    }
 }
-
-/// Cells that are gathered together.
-const LANES: usize = 8;
 
 /// Room that a thread works in, kept from picture to picture.
 #[derive(Default)]
@@ -215,12 +220,17 @@ struct Room {
     tile: Tile,
     batch: Batch,
     alpha: Option<Box<Batch>>,
+    stretches: Stretches,
     /// By look.
     waiting: Vec<Waiting>,
     /// Premultiplied linear light of the tile's cells.
     light: Vec<LinearRgba>,
     /// Nothing but zeros is in `light`.
     is_dark: bool,
+    /// Pixels of the tile's cells that were developed as soon as they were lit.
+    developed: Vec<u32>,
+    /// Nothing but zeros is in `developed`.
+    is_blank: bool,
     /// What gets through to the next layer, for each sample of each cell; empty when nothing transparent was met.
     through: Vec<f32>,
 }
@@ -275,6 +285,7 @@ impl<'a> Shader<'a> {
         room.batch.surfels.uv.resize(domain.mesh.uv_sets().len(), TexCoords::ZERO);
         room.waiting.resize_with(n_looks, || Waiting::EMPTY);
         room.light.resize(TILE * TILE, [0.0; 4]);
+        room.developed.resize(TILE * TILE, 0);
         let needs = (0..n_looks).map(|look| needs(shot, look)).collect();
         Self { domain, shot, workers, needs, room, truncated: false, recorded: None }
     }
@@ -282,7 +293,7 @@ impl<'a> Shader<'a> {
     /// Fills `light` with what the tile's cells send towards the eye.
     fn shade(&mut self, tile: &Tile) {
         self.truncated = tile.truncated;
-        self.start(tile.touched, tile.n_layers > 0);
+        self.start(tile.n_layers > 0);
         if !tile.touched {
             return;
         }
@@ -293,14 +304,17 @@ impl<'a> Shader<'a> {
     }
 
     /// A dark tile, and nothing in the way of its light.
-    fn start(&mut self, touched: bool, has_layers: bool) {
-        if !self.room.is_dark {
-            self.room.light.fill([0.0; 4]);
+    fn start(&mut self, has_layers: bool) {
+        let room = &mut *self.room;
+        if !std::mem::replace(&mut room.is_dark, true) {
+            room.light.as_flattened_mut().fill(0.0);
         }
-        self.room.is_dark = !touched;
-        self.room.through.clear();
+        if !std::mem::replace(&mut room.is_blank, true) {
+            room.developed.fill(0);
+        }
+        room.through.clear();
         if has_layers {
-            self.room.through.resize(TILE * TILE * self.shot.samples.n(), 1.0);
+            room.through.resize(TILE * TILE * self.shot.samples.n(), 1.0);
         }
     }
 
@@ -315,100 +329,51 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Sorts a layer's cells by look: eight at a time those that show one triangle in all samples, one by one the others.
-    #[inline(always)]
-    fn gather<S: Simd, const N: usize>(&mut self, simd: S, tile: &Tile, layer: &Layer) {
-        let mut parts = PartCursor::new(self.domain.mesh, self.shot.looks);
-        let only_look = parts.only_look();
-        let (one_look, look) = (only_look.is_some(), only_look.unwrap_or(0));
-        let columns = u32x8::from_fn(simd, |i| i as u32);
-        let extent = tile.extent.map(|e| e as usize);
-        for y in 0..extent[1] {
-            for x in (0..extent[0]).step_by(LANES) {
-                let cell = y * TILE + x;
-                let ids = &layer.ids[cell * N..][..LANES * N];
-                let (first, same) = if N == 1 {
-                    (u32x8::from_slice(simd, ids), 0xff)
-                } else if is_nothing(simd, ids) {
-                    continue;
-                } else {
-                    let mut first = [0; LANES];
-                    let mut same = 0;
-                    for (lane, ids) in ids.as_chunks::<N>().0.iter().enumerate() {
-                        first[lane] = ids[0];
-                        let differences = ids.iter().fold(0, |bits, id| bits | (id ^ ids[0]));
-                        same |= ((differences == 0) as u32) << lane;
-                    }
-                    (u32x8::load_array_ref(simd, &first), same)
-                };
-                let something = !(first.simd_eq(u32x8::splat(simd, Hit::NOTHING)).to_bitmask() as u32);
-                let within = (1_u32 << (extent[0] - x).min(LANES)) - 1;
-                let whole = same & something & within;
-                if whole != 0 && one_look {
-                    if !self.room.waiting[look].has_room() {
-                        self.flush(tile, look);
-                    }
-                    let waiting = &mut self.room.waiting[look];
-                    let n = waiting.n;
-                    let keep = mask32x8::from_bitmask(simd, whole as u64);
-                    first.compress(keep).store_slice(&mut waiting.triangle[n..n + LANES]);
-                    let cells = columns + u32x8::splat(simd, cell as u32);
-                    cells.compress(keep).store_slice(&mut waiting.cell[n..n + LANES]);
-                    u32x8::splat(simd, (1 << N) - 1).store_slice(&mut waiting.samples[n..n + LANES]);
-                    waiting.n += whole.count_ones() as usize;
-                }
-                let mut rest = if one_look { !same & within } else { !same & within | whole };
-                while rest != 0 {
-                    self.split(tile, layer, cell + rest.trailing_zeros() as usize, &mut parts);
-                    rest &= rest - 1;
-                }
-            }
-        }
-    }
-
-    /// The distinct triangles among one cell's samples.
-    fn split(&mut self, tile: &Tile, layer: &Layer, cell: usize, parts: &mut PartCursor) {
-        let n_samples = self.shot.samples.n();
-        let ids = &layer.ids[cell * n_samples..][..n_samples];
-        let mut left: u32 = (1 << n_samples) - 1;
-        while left != 0 {
-            let triangle = ids[left.trailing_zeros() as usize];
-            let samples = ids.iter().rev().fold(0, |bits, &id| bits << 1 | (id == triangle) as u32);
-            left &= !samples;
-            if triangle != Hit::NOTHING {
-                let look = parts.look(triangle);
-                if !self.room.waiting[look].has_room() {
-                    self.flush(tile, look);
-                }
-                self.room.waiting[look].push(cell as u32, triangle, samples);
-            }
-        }
-    }
-
     /// Looks up and lights what waits, and adds it to the cells.
     fn flush(&mut self, tile: &Tile, look: usize) {
-        let Room { waiting, batch, .. } = &mut *self.room;
-        let waiting = &waiting[look];
+        let room = &mut *self.room;
+        let (waiting, batch) = (&room.waiting[look], &mut room.batch);
         if waiting.n == 0 {
             return;
         }
-        waiting.place(tile.origin, &mut batch.surfels);
         let (domain, shot, needs) = (self.domain, self.shot, self.needs[look]);
-        dispatch!(self.workers.level(), simd => look_and_light(simd, domain, shot, look, needs, batch));
+        dispatch!(self.workers.level(), simd => {
+            place(tile.origin, waiting, &mut batch.surfels);
+            look_and_light(simd, domain, shot, look, needs, batch);
+        });
         self.keep(look);
-        self.composite(look);
-        self.room.waiting[look].n = 0;
+        self.add(look);
+    }
+
+    /// Develops a batch where it may be developed by itself, or adds its light to its cells; then nothing waits.
+    fn add(&mut self, look: usize) {
+        let (shot, room) = (self.shot, &mut *self.room);
+        let waiting = &room.waiting[look];
+        let is_opaque = shot.looks.looks[look].alpha_mode != AlphaMode::Blend;
+        match &shot.develop {
+            Some(develop) if waiting.is_whole && is_opaque && room.through.is_empty() => {
+                let Room { developed, is_blank, batch, .. } = room;
+                let developed = developed.as_mut_slice().try_into().expect("a tile of pixels");
+                let (light, cells) = (&*batch.light, (&waiting.cell, waiting.n));
+                dispatch!(self.workers.level(), simd => develop.opaque8(simd, light, cells, developed));
+                *is_blank = false;
+            }
+            _ => self.composite(look),
+        }
+        let waiting = &mut self.room.waiting[look];
+        (waiting.n, waiting.is_whole) = (0, true);
     }
 
     /// Adds a batch's light to its cells, weighted by the samples covered and by what nearer layers let through.
     fn composite(&mut self, look: usize) {
         let n_samples = self.shot.samples.n();
-        let Room { waiting, batch, light, through, .. } = &mut *self.room;
+        let Room { waiting, batch, light, is_dark, through, .. } = &mut *self.room;
+        *is_dark = false;
         let waiting = &waiting[look];
         let light: &mut [LinearRgba; TILE * TILE] = light.as_mut_slice().try_into().expect("a tile of light");
         let [r, g, b] = &*batch.light;
         if n_samples == 1 && through.is_empty() {
-            for i in 0..waiting.n {
+            for i in 0..waiting.n.min(BATCH) {
                 light[waiting.cell[i] as usize % (TILE * TILE)] = [r[i], g[i], b[i], 1.0];
             }
             return;
@@ -462,57 +427,27 @@ impl Drop for Loan<'_> {
     }
 }
 
+/// Columns, rows and triangles of what waits.
+#[inline(always)]
+fn place(origin: [u32; 2], waiting: &Waiting, surfels: &mut Surfels) {
+    surfels.n = waiting.n;
+    let [x, y] = &mut surfels.cell;
+    // All of the batch, so that the loop is one of whole vectors.
+    for i in 0..BATCH {
+        x[i] = origin[0] + waiting.cell[i] % TILE as u32;
+        y[i] = origin[1] + waiting.cell[i] / TILE as u32;
+        surfels.triangle[i] = waiting.triangle[i];
+    }
+}
+
 /// Surface points, what is there, and what light makes of it.
 #[inline(always)]
 fn look_and_light<S: Simd>(simd: S, domain: &Domain, shot: &Shot, look: usize, needs: Needs, batch: &mut Batch) {
     let Batch { surfels, surfaces, scratch, light } = batch;
     visibility::fill(simd, domain, needs, &CENTER, surfels);
-    let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
+    let points = Points { mesh: domain.mesh, view: &domain.view, surfels, wanted: Wanted::Light(shading(shot, look)) };
     lookup::evaluate(simd, (shot.looks, look), points, scratch, surfaces);
     picture::shade(simd, shading(shot, look), shot.lighting, surfels, surfaces, light);
-}
-
-/// Which look a triangle has; remembers the last part, for triangles come in runs.
-struct PartCursor<'a> {
-    mesh: &'a Mesh,
-    looks: &'a Looks,
-    range: std::ops::Range<u32>,
-    look: usize,
-}
-
-impl<'a> PartCursor<'a> {
-    fn new(mesh: &'a Mesh, looks: &'a Looks) -> Self {
-        Self { mesh, looks, range: 0..0, look: 0 }
-    }
-
-    /// The look of all parts, if they have but one.
-    fn only_look(&self) -> Option<usize> {
-        let first = *self.looks.look_of_part.first()?;
-        self.looks.look_of_part.iter().all(|l| *l == first).then_some(first as usize)
-    }
-
-    #[inline(always)]
-    fn look(&mut self, triangle: u32) -> usize {
-        if !self.range.contains(&triangle) {
-            let parts = self.mesh.parts();
-            let part = parts.partition_point(|p| p.triangles.end <= triangle);
-            self.range = parts[part].triangles.clone();
-            self.look = self.looks.look_of_part[part] as usize;
-        }
-        self.look
-    }
-}
-
-/// Whether ids of whole vectors are [`Hit::NOTHING`] all.
-#[inline(always)]
-fn is_nothing<S: Simd>(simd: S, ids: &[u32]) -> bool {
-    let all = u32x8::splat(simd, Hit::NOTHING);
-    ids.as_chunks::<LANES>()
-        .0
-        .iter()
-        .fold(all, |all, ids| all & u32x8::load_array_ref(simd, ids))
-        .simd_eq(all)
-        .all_true()
 }
 
 /// At which of up to eight places of a row (bits) a triangle is there.
@@ -544,7 +479,7 @@ fn alpha_test(
     let alpha = &mut surfaces.alpha;
     dispatch!(workers.level(), simd => {
         visibility::fill(simd, domain, needs, &within, surfels);
-        let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
+        let points = Points { mesh: domain.mesh, view: &domain.view, surfels, wanted: Wanted::Alpha };
         lookup::alpha_of(simd, (shot.looks, look), points, scratch, alpha);
     });
     lanes().enumerate().filter(|(i, _)| alpha[*i] >= cutoff).fold(0, |kept, (_, lane)| kept | 1 << lane)

@@ -6,8 +6,8 @@
 use crate::lookup::{Shading, Surfaces};
 use crate::math::{Lane, Vec3, unit_or};
 use crate::picture::lanes::{
-    V, V3, add, at_least, at_most, clamp01, dot, inverse_length, load, load3, per_channel, pow, scale, splat3, store3,
-    whole_pow, width,
+    V, V3, add, at_least, at_most, clamp01, dot, inverse_length, load, load3, per_channel, pow, power_floor, registers,
+    scale, splat3, store3, whole_pow,
 };
 use crate::picture::light::{Light, LightKind, Lighting};
 use crate::picture::{Ambient, metal_rough};
@@ -73,7 +73,9 @@ fn phong<S: Simd, const HIGHLIGHT: bool>(
     out: &mut [Lane; 3],
 ) {
     let constant = lighting.ambient.is_constant();
-    for at in (0..surfaces.n).step_by(width::<S>()) {
+    // Lights of one size share it.
+    let mut lobe = Lobe::new(exponent);
+    for at in registers::<S>(surfaces.n) {
         let color = load3(simd, &surfaces.color, at);
         let normal = load3(simd, &surfaces.normal, at);
         let view = load3(simd, &surfels.view, at);
@@ -86,9 +88,12 @@ fn phong<S: Simd, const HIGHLIGHT: bool>(
             received = add::<S>(received, scale::<S>(strength, softened(simd, facing, light.size)));
             if HIGHLIGHT {
                 let [specular, exponent] = widened(specular, exponent, light.size);
+                if lobe.exponent != exponent {
+                    lobe = Lobe::new(exponent);
+                }
                 let half = add::<S>(toward, view);
                 let cosine = dot::<S>(normal, half) * inverse_length(simd, dot::<S>(half, half));
-                shine = add::<S>(shine, scale::<S>(strength, power(simd, cosine, exponent) * specular));
+                shine = add::<S>(shine, scale::<S>(strength, lobe.at(simd, cosine) * specular));
             }
         }
         let lit = per_channel!(c => color[c] * received[c] + shine[c]);
@@ -96,13 +101,28 @@ fn phong<S: Simd, const HIGHLIGHT: bool>(
     }
 }
 
-#[inline(always)]
-fn power<S: Simd>(simd: S, cosine: V<S>, exponent: f32) -> V<S> {
-    let whole = exponent as u32;
-    if whole as f32 == exponent && (1..=256).contains(&whole) {
-        whole_pow(simd, cosine, whole)
-    } else {
-        pow(simd, cosine, exponent)
+/// Powers of cosines.
+struct Lobe {
+    exponent: f32,
+    /// The exponent, if multiplications do; else 0.
+    whole: u32,
+    floor: f32,
+}
+
+impl Lobe {
+    #[inline(always)]
+    fn new(exponent: f32) -> Self {
+        let whole = exponent as u32;
+        let is_whole = whole as f32 == exponent && (1..=256).contains(&whole);
+        Self { exponent, whole: if is_whole { whole } else { 0 }, floor: power_floor(exponent) }
+    }
+
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, cosine: V<S>) -> V<S> {
+        match self.whole {
+            0 => pow(simd, cosine, self.exponent),
+            whole => whole_pow(simd, cosine, whole, self.floor),
+        }
     }
 }
 

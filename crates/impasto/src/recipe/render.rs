@@ -6,8 +6,8 @@ use crate::math::Size;
 use crate::par::Workers;
 use crate::picture::contour::{self, LabelStyle};
 use crate::picture::numbers::Notation;
-use crate::picture::render::{Renderer, Shortfall, Shot, Still};
-use crate::picture::{Drawing, Ground, develop_row};
+use crate::picture::render::{Cells, Renderer, Shortfall, Shot, Still};
+use crate::picture::{Develop, Drawing, Film, Ground};
 use crate::recipe::legend::Labelled;
 use crate::recipe::{Prepared, check};
 use crate::visibility::{Domain, Samples};
@@ -60,7 +60,7 @@ impl Prepared {
 
     /// What is looked up and what lights it, with `samples` places a pixel.
     pub fn shot(&self, samples: Samples) -> Shot<'_> {
-        Shot { looks: &self.looks, lighting: &self.lighting, unlit: self.unlit, samples }
+        Shot { looks: &self.looks, lighting: &self.lighting, unlit: self.unlit, samples, develop: None }
     }
 
     /// The picture in bytes. `progress` hears shares from 0 to 1, from any thread.
@@ -71,8 +71,10 @@ impl Prepared {
     /// The same on a stage that is kept from picture to picture of one scene.
     pub fn render_on(&self, stage: &mut Stage, workers: &Workers, progress: &(dyn Fn(f32) + Sync)) -> Picture {
         let mut pixels = vec![[0u8; 4]; self.size.n_cells()];
-        let shortfall = self.draw(stage, (workers, progress), &mut pixels, |[_, y], light, row| {
-            develop_row(&self.develop, workers, light, self.background.row(y, self.size), y, row);
+        let film = Film::new(&self.develop, &self.background, self.size, workers);
+        let develop = Some(self.develop);
+        let shortfall = self.draw(stage, (workers, progress), &mut pixels, develop, |[_, y], cells, row| {
+            film.row(y, cells, row);
         });
         if let Some((_, legend)) = &self.legend {
             legend.drawing.paint(&mut pixels, self.size);
@@ -103,7 +105,9 @@ impl Prepared {
     pub fn light(&self, workers: &Workers, progress: &(dyn Fn(f32) + Sync)) -> LightPicture {
         let mut light = vec![[0.0; 4]; self.size.n_cells()];
         let stage = &mut Stage::default();
-        let shortfall = self.draw(stage, (workers, progress), &mut light, |_, cells, row| row.copy_from_slice(cells));
+        let shortfall = self.draw(stage, (workers, progress), &mut light, None, |_, cells, row| {
+            row.copy_from_slice(cells.light);
+        });
         LightPicture { size: self.size, light, shortfall }
     }
 
@@ -112,9 +116,13 @@ impl Prepared {
         Stage { renderer, ground, stands_still, still }: &mut Stage,
         (workers, progress): (&Workers, &(dyn Fn(f32) + Sync)),
         picture: &mut [T],
-        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync + Send,
+        develop: Option<Develop>,
+        finish: impl Fn([u32; 2], Cells, &mut [T]) + Sync + Send,
     ) -> Shortfall {
-        let (domain, shot) = (self.domain(), self.shot(self.samples));
+        let domain = self.domain();
+        // What else is laid into the cells' light must be there before they are developed.
+        let develop = develop.filter(|_| !self.ground && self.backdrop.is_none());
+        let shot = Shot { develop, ..self.shot(self.samples) };
         let n_done = AtomicUsize::new(0);
         let n_cells = self.size.n_cells();
         if self.ground && ground.is_none() {
@@ -122,22 +130,23 @@ impl Prepared {
         }
         let ground = ground.as_ref().filter(|_| self.ground);
         let floor = ground.and_then(|g| g.lens(&domain).map(|lens| (g, lens)));
-        let finish = |place: [u32; 2], cells: &[LinearRgba], row: &mut [T]| {
+        let finish = |place: [u32; 2], cells: Cells, row: &mut [T]| {
             if floor.is_none() && self.backdrop.is_none() {
                 finish(place, cells, row);
             } else {
-                let mut cells = cells.to_vec();
+                let mut cells = cells.light.to_vec();
                 if let Some((ground, lens)) = &floor {
                     ground.darken(lens, place, &mut cells);
                 }
                 if let Some(backdrop) = &self.backdrop {
                     backdrop.fill(&domain, place, &mut cells);
                 }
-                finish(place, &cells, row);
+                finish(place, Cells::of_light(&cells), row);
             }
-            let done = n_done.fetch_add(cells.len(), Ordering::Relaxed) + cells.len();
+            let n = row.len();
+            let done = n_done.fetch_add(n, Ordering::Relaxed) + n;
             // One call for some thousand cells: often enough for the eye.
-            if done / PROGRESS_STEP != (done - cells.len()) / PROGRESS_STEP || done == n_cells {
+            if done / PROGRESS_STEP != (done - n) / PROGRESS_STEP || done == n_cells {
                 progress(done as f32 / n_cells as f32);
             }
         };

@@ -24,7 +24,8 @@ pub fn scene(n: u32, seed: u32) -> Scene {
         let d = position.as_dvec3().normalize();
         let (x, y) = d.any_orthonormal_pair();
         let step = 2e-3;
-        let along = |way: DVec3| folded((d + way * step).normalize(), seed) - folded((d - way * step).normalize(), seed);
+        let along =
+            |way: DVec3| folded((d + way * step).normalize(), seed) - folded((d - way * step).normalize(), seed);
         *position = (folded(d, seed) * LENGTH).as_vec3();
         *normal = along(x).cross(along(y)).normalize_or(d).as_vec3();
         thickness.push(thickness_at(d, seed) as f32);

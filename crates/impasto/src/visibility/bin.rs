@@ -5,7 +5,7 @@
 
 use super::tile::{Draw, Faces, Kind, Samples, TILE, n_tiles};
 use super::{Domain, domain::Map};
-use crate::math::{DVec4, Vec4, kernel};
+use crate::math::{DVec4, Each, Vec4, kernel};
 use crate::par::Workers;
 use fearless_simd::{dispatch, i32x8, prelude::*};
 
@@ -201,7 +201,10 @@ impl Binner<'_> {
                 let lane = todo.trailing_zeros() as usize;
                 todo &= todo - 1;
                 let id = (draw.triangles.start + (g * GROUP + lane) as u32) | flag;
-                let v = group[lane].map(|i| self.vertices[i as usize]);
+                let v = group[lane].each(
+                    #[inline(always)]
+                    |i| self.vertices[i as usize],
+                );
                 if v.iter().any(|v| v.x == OUTSIDE) {
                     self.clipped(group[lane], v, id, draw.faces, lists);
                 } else {
@@ -214,9 +217,15 @@ impl Binner<'_> {
     /// Which of eight triangles may cover a sample: most small ones do not, or show their back. One bit each.
     #[inline(always)]
     fn worth_a_look<S: Simd>(&self, simd: S, x: &[[i32; GROUP]; 3], y: &[[i32; GROUP]; 3], faces: Faces) -> u32 {
-        let load = |v: &[i32; GROUP]| i32x8::load_array_ref(simd, v);
-        let splat = |v: i32| i32x8::splat(simd, v);
-        let (x, y) = (x.each_ref().map(load), y.each_ref().map(load));
+        let load = kernel(
+            #[inline(always)]
+            |v: &[i32; GROUP]| i32x8::load_array_ref(simd, v),
+        );
+        let splat = kernel(
+            #[inline(always)]
+            |v: i32| i32x8::splat(simd, v),
+        );
+        let (x, y) = ([load(&x[0]), load(&x[1]), load(&x[2])], [load(&y[0]), load(&y[1]), load(&y[2])]);
         let (x0, x1) = (x[0].min(x[1]).min(x[2]), x[0].max(x[1]).max(x[2]));
         let (y0, y1) = (y[0].min(y[1]).min(y[2]), y[0].max(y[1]).max(y[2]));
         let (spacing, first) = self.samples.spacing();

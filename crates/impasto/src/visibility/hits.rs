@@ -7,7 +7,7 @@
 use super::Domain;
 use super::tile::TILE;
 use crate::math::{BATCH, Each, Lane, Vec2, Vec3, kernel};
-use crate::placement::{Needs, Surfels};
+use crate::placement::{Needs, Surfels, TexCoords};
 use fearless_simd::{f32x8, i32x8, prelude::*, u32x8};
 
 /// How many surface points a batch may hold when it is filled here: runs are written eight lanes at a time.
@@ -16,32 +16,20 @@ pub const BATCH_FILL: usize = BATCH - 8;
 /// Lanes of a vector.
 const N: usize = 8;
 
-/// A stretch of the batch in one triangle of one tile.
-#[derive(Clone, Copy)]
-struct Run {
-    start: u16,
-    end: u16,
-    /// Which set-up: runs of the same triangle and tile share one.
-    set_up: u16,
-    triangle: u32,
-}
-
-impl Run {
-    /// Where vectors of lanes begin; the last may reach into the next run, which then overwrites it.
-    #[inline(always)]
-    fn vectors(&self) -> impl Iterator<Item = usize> + use<> {
-        (self.start as usize..self.end as usize).step_by(N)
-    }
-}
-
-/// Edge functions of the runs' triangles, `a * x + b * y + c` from their tile's corner: of the second corner, of the third,
-/// and the sum of all three.
-struct SetUps {
-    a: [Lane; 3],
-    b: [Lane; 3],
-    c: [Lane; 3],
+/// What is the same all over a triangle, for eight triangles: edge functions `a * x + b * y + c` from their tile's corner,
+/// of the second corner, of the third, and the sum of all three.
+struct Eight {
+    corners: [[u32; 3]; N],
+    a: [[f32; N]; 3],
+    b: [[f32; N]; 3],
+    c: [[f32; N]; 3],
     /// 1 where the front is seen, -1 where the back is.
-    side: Lane,
+    side: [f32; N],
+}
+
+impl Eight {
+    const ZERO: Self =
+        Self { corners: [[0; 3]; N], a: [[0.0; N]; 3], b: [[0.0; N]; 3], c: [[0.0; N]; 3], side: [0.0; N] };
 }
 
 /// Where in their cells points look: across and down, cells, by lane. A batch of more than eight repeats them.
@@ -57,80 +45,35 @@ pub const CENTER: Place = [[0.5; N]; 2];
 #[inline(always)]
 pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: &Place, surfels: &mut Surfels) {
     assert!(surfels.n <= BATCH_FILL, "a batch is filled with at most {BATCH_FILL} points");
-    let mut runs = [Run { start: 0, end: 0, set_up: 0, triangle: 0 }; BATCH];
-    let n_runs = find_runs(simd, surfels, &mut runs);
-    let runs = &mut runs[..n_runs];
-    let mut firsts = [0; BATCH];
-    let n_firsts = share_set_ups(surfels, runs, &mut firsts);
-    const ZERO: Lane = [0.0; BATCH];
-    let mut set_ups = SetUps { a: [ZERO; 3], b: [ZERO; 3], c: [ZERO; 3], side: ZERO };
-    set_up(domain, &firsts[..n_firsts], surfels, &mut set_ups);
-    let mut sum = ZERO;
-    edges(simd, place, runs, &set_ups, surfels, &mut sum);
-    weights(simd, surfels, &mut sum);
     let mesh = domain.mesh;
     // What the mesh does not have stays stale; looks ask the mesh, too.
     let has = |lane: bool, n: usize| lane && n > 0;
     let (tangent, color) = (has(needs.tangent, mesh.tangents().len()), has(needs.color, mesh.colors().len()));
     let needs = Needs { tangent, color, ..needs };
-    for run in runs.iter() {
-        let pick = |lanes: &[Lane; 3]| {
-            lanes.each_ref().each(
+    let mut cuts = [0; BATCH + 1];
+    let n_runs = find_runs(simd, surfels, &mut cuts);
+    let mut eight = Eight::ZERO;
+    // One over the edge functions' sum.
+    let mut inverse = [0.0; BATCH];
+    if n_runs * SHORT <= surfels.n {
+        for first in (0..n_runs).step_by(N) {
+            let runs = &cuts[first..=(first + N).min(n_runs)];
+            let cell = kernel(
                 #[inline(always)]
-                |l| l[run.set_up as usize],
-            )
-        };
-        let slopes = [pick(&set_ups.a), pick(&set_ups.b)];
-        let c = mesh.triangles()[run.triangle as usize];
-        if needs.derivatives {
-            derivatives(simd, run, slopes, surfels, &sum);
+                |lane: usize| runs[lane.min(runs.len() - 2)] as usize,
+            );
+            set_up(domain, cell, surfels, &mut eight);
+            derive::<S, true>(simd, domain, needs, place, (&eight, runs), (surfels, &mut inverse));
         }
-        if needs.normal {
-            let n = c.each(
+    } else {
+        for first in (0..surfels.n).step_by(N) {
+            let last = surfels.n - 1;
+            let cell = kernel(
                 #[inline(always)]
-                |i| mesh.normals()[i as usize].to_array(),
+                |lane: usize| (first + lane).min(last),
             );
-            interpolate(simd, run, &surfels.barycentric, n, &mut surfels.normal);
-        }
-        if needs.position {
-            let p = c.each(
-                #[inline(always)]
-                |i| mesh.positions()[i as usize].to_array(),
-            );
-            interpolate(simd, run, &surfels.barycentric, p, &mut surfels.position);
-        }
-        let mut sets = needs.uv_sets;
-        while sets != 0 {
-            let set = sets.trailing_zeros() as usize;
-            sets &= sets - 1;
-            uv(
-                simd,
-                run,
-                set,
-                c.each(
-                    #[inline(always)]
-                    |i| mesh.uv_sets()[set].uv[i as usize],
-                ),
-                slopes,
-                surfels,
-                &sum,
-            );
-        }
-        if needs.tangent {
-            let t = c.each(
-                #[inline(always)]
-                |i| mesh.tangents()[i as usize].to_array(),
-            );
-            interpolate(simd, run, &surfels.barycentric, t, &mut surfels.tangent);
-            // The sign is a corner's, not a mixture: all three agree where the layout is not mirrored.
-            surfels.tangent[3][run.start as usize..run.end as usize].fill(if t[0][3] < 0.0 { -1.0 } else { 1.0 });
-        }
-        if needs.color {
-            let v = c.each(
-                #[inline(always)]
-                |i| mesh.colors()[i as usize].to_array(),
-            );
-            interpolate(simd, run, &surfels.barycentric, v, &mut surfels.color);
+            set_up(domain, cell, surfels, &mut eight);
+            derive::<S, false>(simd, domain, needs, place, (&eight, &[first as u16]), (surfels, &mut inverse));
         }
     }
     if needs.normal {
@@ -145,141 +88,209 @@ pub fn fill<S: Simd>(simd: S, domain: &Domain, needs: Needs, place: &Place, surf
     }
 }
 
-/// Cuts the batch into runs. All cells of a run are measured from one origin, their tile's corner, whatever the batch.
+/// Runs of fewer cells than this, on average, are not worth being told apart: each cell is its own.
+const SHORT: usize = 2;
+
+/// Cuts the batch into runs, stretches in one triangle of one tile: all their cells are measured from one origin, the
+/// tile's corner, whatever the batch. Run k goes from cut k to the next.
 #[inline(always)]
-fn find_runs<S: Simd>(simd: S, surfels: &Surfels, runs: &mut [Run; BATCH]) -> usize {
+fn find_runs<S: Simd>(simd: S, surfels: &Surfels, cuts: &mut [u16; BATCH + 1]) -> usize {
     let load = kernel(
         #[inline(always)]
         |lane: &[u32; BATCH], i: usize| u32x8::from_slice(simd, &lane[i..i + N]),
     );
     let mut n_runs = 0;
-    let mut start = 0;
     for i in (1..surfels.n).step_by(N) {
         // Where a lane differs from the one before in its triangle, or in its tile.
         let [x, y] = &surfels.cell;
         let moved = (load(x, i) ^ load(x, i - 1)) | (load(y, i) ^ load(y, i - 1));
         let same = load(&surfels.triangle, i).simd_eq(load(&surfels.triangle, i - 1))
             & moved.simd_lt(u32x8::splat(simd, TILE as u32));
-        let mut cuts = !(same.to_bitmask() as u32) & 0xff;
-        while cuts != 0 {
-            let end = i + cuts.trailing_zeros() as usize;
-            cuts &= cuts - 1;
-            if end < surfels.n {
-                runs[n_runs] =
-                    Run { start: start as u16, end: end as u16, set_up: 0, triangle: surfels.triangle[start] };
+        let mut cut = !(same.to_bitmask() as u32) & 0xff;
+        while cut != 0 {
+            let at = i + cut.trailing_zeros() as usize;
+            cut &= cut - 1;
+            if at < surfels.n {
                 n_runs += 1;
-                start = end;
+                cuts[n_runs] = at as u16;
             }
         }
     }
-    if surfels.n > 0 {
-        runs[n_runs] = Run { start: start as u16, end: surfels.n as u16, set_up: 0, triangle: surfels.triangle[start] };
-        n_runs += 1;
-    }
+    n_runs += (surfels.n > 0) as usize;
+    cuts[n_runs] = surfels.n as u16;
     n_runs
 }
 
-/// Gives runs of the same triangle and tile one set-up: a triangle comes back in every row that it covers. Writes the first
-/// cell of each set-up, and returns how many there are.
+/// The edge functions at eight of the batch's cells, in f64: relative to the tile's corner little is lost by cancellation.
 #[inline(always)]
-fn share_set_ups(surfels: &Surfels, runs: &mut [Run], firsts: &mut [u16; BATCH]) -> usize {
-    // Which set-up, plus one, a triangle with these last bits had. Another one's makes for a second set-up, nothing worse.
-    let mut seen = [0_u16; 64];
-    let mut n = 0;
-    for run in runs {
-        let place = &mut seen[run.triangle as usize % 64];
-        let start = run.start as usize;
-        let is_seen = *place != 0 && {
-            let first = firsts[*place as usize - 1] as usize;
-            let same_tile = |k: usize| (surfels.cell[k][first] ^ surfels.cell[k][start]) < TILE as u32;
-            surfels.triangle[first] == run.triangle && same_tile(0) && same_tile(1)
-        };
-        if !is_seen {
-            firsts[n] = run.start;
-            n += 1;
-            *place = n as u16;
+fn set_up(domain: &Domain, cell_of: impl Fn(usize) -> usize, surfels: &Surfels, out: &mut Eight) {
+    type Numbers = [f64; N];
+    // Homogeneous corners, x y w each, relative to the origin.
+    let mut v = [[[0.0_f32; N]; 3]; 3];
+    let mut origin = [[0.0_f32; N]; 2];
+    for lane in 0..N {
+        let cell = cell_of(lane) % BATCH;
+        for k in 0..2 {
+            origin[k][lane] = (surfels.cell[k][cell] & !(TILE as u32 - 1)) as i32 as f32;
         }
-        run.set_up = *place - 1;
+        out.corners[lane] = domain.mesh.triangles()[surfels.triangle[cell] as usize];
+        for k in 0..3 {
+            let c = domain.corner(out.corners[lane][k]);
+            v[k][0][lane] = c.x;
+            v[k][1][lane] = c.y;
+            v[k][2][lane] = c.w;
+        }
     }
-    n
-}
-
-/// The edge functions at the given cells of the batch, eight at a time, in f64: relative to the tile's corner little is lost
-/// by cancellation.
-#[inline(always)]
-fn set_up(domain: &Domain, cells: &[u16], surfels: &Surfels, out: &mut SetUps) {
-    type Eight = [f64; N];
-    for first in (0..cells.len()).step_by(N) {
-        // Homogeneous corners, x y w each, relative to the origin.
-        let mut v = [[[0.0_f32; N]; 3]; 3];
-        let mut origin = [[0.0_f32; N]; 2];
+    let mut q = [[[0.0_f64; N]; 3]; 3];
+    for corner in 0..3 {
         for lane in 0..N {
-            let cell = cells[(first + lane).min(cells.len() - 1)] as usize;
-            for k in 0..2 {
-                origin[k][lane] = (surfels.cell[k][cell] & !(TILE as u32 - 1)) as i32 as f32;
-            }
-            for (corner, &vertex) in v.iter_mut().zip(&domain.mesh.triangles()[surfels.triangle[cell] as usize]) {
-                let c = domain.corner(vertex);
-                corner[0][lane] = c.x;
-                corner[1][lane] = c.y;
-                corner[2][lane] = c.w;
-            }
+            let w = v[corner][2][lane] as f64;
+            q[corner][0][lane] = v[corner][0][lane] as f64 - origin[0][lane] as f64 * w;
+            q[corner][1][lane] = v[corner][1][lane] as f64 - origin[1][lane] as f64 * w;
+            q[corner][2][lane] = w;
         }
-        let mut q = [[[0.0_f64; N]; 3]; 3];
-        for corner in 0..3 {
+    }
+    let cross = |p: &[Numbers; 3], q: &[Numbers; 3]| -> [Numbers; 3] {
+        let mut r = [[0.0; N]; 3];
+        for k in 0..3 {
+            let (a, b) = ((k + 1) % 3, (k + 2) % 3);
             for lane in 0..N {
-                let w = v[corner][2][lane] as f64;
-                q[corner][0][lane] = v[corner][0][lane] as f64 - origin[0][lane] as f64 * w;
-                q[corner][1][lane] = v[corner][1][lane] as f64 - origin[1][lane] as f64 * w;
-                q[corner][2][lane] = w;
+                r[k][lane] = p[a][lane] * q[b][lane] - p[b][lane] * q[a][lane];
             }
         }
-        let cross = |p: &[Eight; 3], q: &[Eight; 3]| -> [Eight; 3] {
-            let mut r = [[0.0; N]; 3];
-            for k in 0..3 {
-                let (a, b) = ((k + 1) % 3, (k + 2) % 3);
-                for lane in 0..N {
-                    r[k][lane] = p[a][lane] * q[b][lane] - p[b][lane] * q[a][lane];
-                }
-            }
-            r
-        };
-        let (e0, e1, e2) = (cross(&q[1], &q[2]), cross(&q[2], &q[0]), cross(&q[0], &q[1]));
-        let mut sum = [[0.0; N]; 3];
-        let (mut area, mut scale) = ([0.0; N], [0.0; N]);
-        for lane in 0..N {
-            for k in 0..3 {
-                sum[k][lane] = e0[k][lane] + e1[k][lane] + e2[k][lane];
-            }
-            area[lane] = q[0][0][lane] * e0[0][lane] + q[0][1][lane] * e0[1][lane] + q[0][2][lane] * e0[2][lane];
-            // Any common factor is allowed: this one keeps f32 far from its limits whatever the model's unit.
-            let larger = |a: f64, b: f64| if a > b { a } else { b };
-            let (s, t, u) = (sum[2][lane].abs(), e1[2][lane].abs(), e2[2][lane].abs());
-            let largest = larger(larger(larger(s, t), u), larger(sum[0][lane].abs(), sum[1][lane].abs()));
-            scale[lane] = if largest > 0.0 { 1.0 / largest } else { 0.0 };
+        r
+    };
+    let (e0, e1, e2) = (cross(&q[1], &q[2]), cross(&q[2], &q[0]), cross(&q[0], &q[1]));
+    let mut sum = [[0.0; N]; 3];
+    let (mut area, mut scale) = ([0.0; N], [0.0; N]);
+    for lane in 0..N {
+        for k in 0..3 {
+            sum[k][lane] = e0[k][lane] + e1[k][lane] + e2[k][lane];
         }
-        for (k, e) in [&e1, &e2, &sum].into_iter().enumerate() {
-            for (out, e) in [&mut out.a[k], &mut out.b[k], &mut out.c[k]].into_iter().zip(e) {
-                for lane in 0..N {
-                    out[first + lane] = (e[lane] * scale[lane]) as f32;
-                }
+        area[lane] = q[0][0][lane] * e0[0][lane] + q[0][1][lane] * e0[1][lane] + q[0][2][lane] * e0[2][lane];
+        // Any common factor is allowed: this one keeps f32 far from its limits whatever the model's unit.
+        let larger = |a: f64, b: f64| if a > b { a } else { b };
+        let (s, t, u) = (sum[2][lane].abs(), e1[2][lane].abs(), e2[2][lane].abs());
+        let largest = larger(larger(larger(s, t), u), larger(sum[0][lane].abs(), sum[1][lane].abs()));
+        scale[lane] = if largest > 0.0 { 1.0 / largest } else { 0.0 };
+    }
+    for (k, e) in [&e1, &e2, &sum].into_iter().enumerate() {
+        for (out, e) in [&mut out.a[k], &mut out.b[k], &mut out.c[k]].into_iter().zip(e) {
+            for lane in 0..N {
+                out[lane] = (e[lane] * scale[lane]) as f32;
             }
         }
-        for lane in 0..N {
-            // With y down the front, counter-clockwise with y up, has a negative area.
-            out.side[first + lane] = if area[lane] < 0.0 { 1.0 } else { -1.0 };
-        }
+    }
+    for lane in 0..N {
+        // With y down the front, counter-clockwise with y up, has a negative area.
+        out.side[lane] = if area[lane] < 0.0 { 1.0 } else { -1.0 };
     }
 }
 
-/// Evaluates edge functions: the second and third corner's into `barycentric`, the sum into `sum`.
+/// Derives what differs from cell to cell for eight triangles, pass by pass: for their runs between `cuts`, or, unless
+/// they are `LONG`, for one cell of each, from the cut on.
 #[inline(always)]
-fn edges<S: Simd>(simd: S, place: &Place, runs: &[Run], set_ups: &SetUps, surfels: &mut Surfels, sum: &mut Lane) {
-    for run in runs {
-        let splat = |lane: &Lane| f32x8::splat(simd, lane[run.set_up as usize]);
-        let (a, b, c) =
-            (set_ups.a.each_ref().each(splat), set_ups.b.each_ref().each(splat), set_ups.c.each_ref().each(splat));
-        for at in run.vectors() {
+fn derive<S: Simd, const LONG: bool>(
+    simd: S,
+    domain: &Domain,
+    needs: Needs,
+    place: &Place,
+    (eight, cuts): (&Eight, &[u16]),
+    (surfels, inverse): (&mut Surfels, &mut Lane),
+) {
+    let mesh = domain.mesh;
+    let of = Of { simd, eight, cuts };
+    weights::<S, LONG>(&of, place, surfels, inverse);
+    if needs.derivatives {
+        derivatives::<S, LONG>(&of, surfels, inverse);
+    }
+    if needs.normal {
+        let normals = mesh.normals();
+        let at = kernel(
+            #[inline(always)]
+            |v: usize| normals[v].to_array(),
+        );
+        interpolate::<S, LONG, 3>(&of, at, &surfels.barycentric, &mut surfels.normal);
+    }
+    if needs.position {
+        let positions = mesh.positions();
+        let at = kernel(
+            #[inline(always)]
+            |v: usize| positions[v].to_array(),
+        );
+        interpolate::<S, LONG, 3>(&of, at, &surfels.barycentric, &mut surfels.position);
+    }
+    let mut sets = needs.uv_sets;
+    while sets != 0 {
+        let set = sets.trailing_zeros() as usize;
+        sets &= sets - 1;
+        uv::<S, LONG>(&of, &mesh.uv_sets()[set].uv, &surfels.barycentric, inverse, &mut surfels.uv[set]);
+    }
+    if needs.tangent {
+        let tangents = mesh.tangents();
+        let at = kernel(
+            #[inline(always)]
+            |v: usize| tangents[v].to_array(),
+        );
+        interpolate::<S, LONG, 4>(&of, at, &surfels.barycentric, &mut surfels.tangent);
+        // The sign is a corner's, not a mixture: all three agree where the layout is not mirrored.
+        let mut sign = [0.0; N];
+        (0..N).for_each(|k| sign[k] = if at(eight.corners[k][0] as usize)[3] < 0.0 { -1.0 } else { 1.0 });
+        of.each_vector::<LONG>(
+            #[inline(always)]
+            |k, at| store(of.constant::<LONG>(&sign, k), &mut surfels.tangent[3], at),
+        );
+    }
+    if needs.color {
+        let colors = mesh.colors();
+        let at = kernel(
+            #[inline(always)]
+            |v: usize| colors[v].to_array(),
+        );
+        interpolate::<S, LONG, 4>(&of, at, &surfels.barycentric, &mut surfels.color);
+    }
+}
+
+/// Eight triangles and where their cells are in the batch.
+struct Of<'a, S> {
+    simd: S,
+    eight: &'a Eight,
+    cuts: &'a [u16],
+}
+
+impl<S: Simd> Of<'_, S> {
+    /// Calls `f` with a triangle and where a vector of its cells begins. The last of a run may reach into the next run,
+    /// which then overwrites it.
+    #[inline(always)]
+    fn each_vector<const LONG: bool>(&self, mut f: impl FnMut(usize, usize)) {
+        if !LONG {
+            return f(0, self.cuts[0] as usize % (BATCH - N + 1));
+        }
+        for (k, run) in self.cuts.windows(2).enumerate().take(N) {
+            let (mut at, end) = (run[0] as usize, (run[1] as usize).min(BATCH_FILL));
+            while at < end {
+                f(k, at);
+                at += N;
+            }
+        }
+    }
+
+    /// A number of triangle `k` for all of a vector's cells, or each cell's own.
+    #[inline(always)]
+    fn constant<const LONG: bool>(&self, eight: &[f32; N], k: usize) -> f32x8<S> {
+        if LONG { f32x8::splat(self.simd, eight[k]) } else { f32x8::load_array_ref(self.simd, eight) }
+    }
+}
+
+/// Evaluates edge functions and makes barycentrics of them.
+#[inline(always)]
+fn weights<S: Simd, const LONG: bool>(of: &Of<S>, place: &Place, surfels: &mut Surfels, inverse: &mut Lane) {
+    let simd = of.simd;
+    let Eight { a, b, c, side, .. } = of.eight;
+    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+    of.each_vector::<LONG>(
+        #[inline(always)]
+        |t, at| {
             let local = kernel(
                 #[inline(always)]
                 |k: usize| {
@@ -291,14 +302,30 @@ fn edges<S: Simd>(simd: S, place: &Place, runs: &[Run], set_ups: &SetUps, surfel
             let (x, y) = (local(0), local(1));
             let edge = kernel(
                 #[inline(always)]
-                |k: usize| (c[k] + b[k] * y) + a[k] * x,
+                |k: usize| {
+                    (of.constant::<LONG>(&c[k], t) + of.constant::<LONG>(&b[k], t) * y)
+                        + of.constant::<LONG>(&a[k], t) * x
+                },
             );
-            store(edge(0), &mut surfels.barycentric[0], at);
-            store(edge(1), &mut surfels.barycentric[1], at);
-            store(edge(2), sum, at);
-            store(splat(&set_ups.side), &mut surfels.side, at);
-        }
-    }
+            // A triangle without area (only possible for ids that no raster made) gives its first corner.
+            let sum = edge(2);
+            let r = sum.simd_eq(zero).select(zero, one / sum);
+            // At silhouettes a cell's centre may lie just outside of the triangle: the nearest weights inside stand for it.
+            let clamp = kernel(
+                #[inline(always)]
+                |e: f32x8<S>, most: f32x8<S>| {
+                    let b = e * r;
+                    let b = b.simd_gt(zero).select(b, zero);
+                    b.simd_lt(most).select(b, most)
+                },
+            );
+            let b1 = clamp(edge(0), one);
+            store(b1, &mut surfels.barycentric[0], at);
+            store(clamp(edge(1), one - b1), &mut surfels.barycentric[1], at);
+            store(r, inverse, at);
+            store(of.constant::<LONG>(side, t), &mut surfels.side, at);
+        },
+    );
 }
 
 /// Whole cells plus a place within them, a multiple of 1/256: exact in f32.
@@ -308,87 +335,108 @@ fn cells_to_float<S: Simd>(simd: S, cells: u32x8<S>, place: &[f32; N]) -> f32x8<
     cells.to_float::<f32x8<S>>() + f32x8::load_array_ref(simd, place)
 }
 
-/// Edge functions to barycentrics within the triangle; the sum's inverse replaces the sum.
+/// How barycentrics change per cell: the quotient rule on edge function over sum.
 #[inline(always)]
-fn weights<S: Simd>(simd: S, surfels: &mut Surfels, sum: &mut Lane) {
-    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
-    for i in (0..surfels.n).step_by(N) {
-        let s = load(simd, sum, i);
-        // A triangle without area (only possible for ids that no raster made) gives its first corner.
-        let r = one / s;
-        let r = s.simd_eq(zero).select(zero, r);
-        // At silhouettes a cell's centre may lie just outside of the triangle: the nearest weights inside stand for it.
-        let clamp = kernel(
-            #[inline(always)]
-            |e: f32x8<S>, most: f32x8<S>| {
-                let b = e * r;
-                let b = b.simd_gt(zero).select(b, zero);
-                b.simd_lt(most).select(b, most)
-            },
-        );
-        let b1 = clamp(load(simd, &surfels.barycentric[0], i), one);
-        let b2 = clamp(load(simd, &surfels.barycentric[1], i), one - b1);
-        store(b1, &mut surfels.barycentric[0], i);
-        store(b2, &mut surfels.barycentric[1], i);
-        store(r, sum, i);
+fn derivatives<S: Simd, const LONG: bool>(of: &Of<S>, surfels: &mut Surfels, inverse: &Lane) {
+    for (axis, slopes) in [&of.eight.a, &of.eight.b].into_iter().enumerate() {
+        for weight in 0..2 {
+            of.each_vector::<LONG>(
+                #[inline(always)]
+                |t, at| {
+                    let [slope, of_sum] = [weight, 2].each(
+                        #[inline(always)]
+                        |k: usize| of.constant::<LONG>(&slopes[k], t),
+                    );
+                    let b = load(of.simd, &surfels.barycentric[weight], at);
+                    let r = load(of.simd, inverse, at);
+                    store((slope - b * of_sum) * r, &mut surfels.d_barycentric[axis][weight], at);
+                },
+            );
+        }
     }
 }
 
-/// How barycentrics change per cell: the quotient rule on edge function over sum.
+/// What eight triangles' corners have: the first corner's numbers, and from there to the second's and the third's.
 #[inline(always)]
-fn derivatives<S: Simd>(simd: S, run: &Run, slopes: [[f32; 3]; 2], surfels: &mut Surfels, inverse: &Lane) {
-    for i in run.vectors() {
-        let r = load(simd, inverse, i);
-        for (axis, k) in slopes.into_iter().enumerate() {
-            for weight in 0..2 {
-                let b = load(simd, &surfels.barycentric[weight], i);
-                let d = (f32x8::splat(simd, k[weight]) - b * f32x8::splat(simd, k[2])) * r;
-                store(d, &mut surfels.d_barycentric[axis][weight], i);
+fn at_corners<const K: usize>(eight: &Eight, value: impl Fn(usize) -> [f32; K]) -> [[[f32; N]; K]; 3] {
+    let mut out = [[[0.0; N]; K]; 3];
+    for lane in 0..N {
+        for corner in 0..3 {
+            let value = value(eight.corners[lane][corner] as usize);
+            for k in 0..K {
+                out[corner][k][lane] = value[k];
             }
         }
     }
+    let [first, second, third] = &mut out;
+    for k in 0..K {
+        for lane in 0..N {
+            second[k][lane] -= first[k][lane];
+            third[k][lane] -= first[k][lane];
+        }
+    }
+    out
 }
 
 /// `v0 + b1 * (v1 - v0) + b2 * (v2 - v0)` for each component.
 #[inline(always)]
-fn interpolate<S: Simd, const K: usize>(simd: S, run: &Run, b: &[Lane; 2], v: [[f32; K]; 3], out: &mut [Lane; K]) {
-    for i in run.vectors() {
-        let (b1, b2) = (load(simd, &b[0], i), load(simd, &b[1], i));
-        for k in 0..K {
-            let (d1, d2) = (v[1][k] - v[0][k], v[2][k] - v[0][k]);
-            let value = (f32x8::splat(simd, v[0][k]) + b1 * f32x8::splat(simd, d1)) + b2 * f32x8::splat(simd, d2);
-            store(value, &mut out[k], i);
-        }
-    }
+fn interpolate<S: Simd, const LONG: bool, const K: usize>(
+    of: &Of<S>,
+    value: impl Fn(usize) -> [f32; K],
+    b: &[Lane; 2],
+    out: &mut [Lane; K],
+) {
+    let [v0, d1, d2] = at_corners(of.eight, value);
+    of.each_vector::<LONG>(
+        #[inline(always)]
+        |t, at| {
+            let (b1, b2) = (load(of.simd, &b[0], at), load(of.simd, &b[1], at));
+            for k in 0..K {
+                let [v0, d1, d2] = [&v0, &d1, &d2].each(
+                    #[inline(always)]
+                    |v| of.constant::<LONG>(&v[k], t),
+                );
+                store((v0 + b1 * d1) + b2 * d2, &mut out[k], at);
+            }
+        },
+    );
 }
 
 /// Texture coordinates and their footprint.
 #[inline(always)]
-fn uv<S: Simd>(
-    simd: S,
-    run: &Run,
-    set: usize,
-    t: [Vec2; 3],
-    [a, b]: [[f32; 3]; 2],
-    surfels: &mut Surfels,
-    inverse: &Lane,
-) {
-    let out = &mut surfels.uv[set];
-    let splat = |x: f32| f32x8::splat(simd, x);
-    for k in 0..2 {
-        let (d1, d2) = (t[1][k] - t[0][k], t[2][k] - t[0][k]);
-        // Change of the numerator per column and per row.
-        let gx = a[0] * d1 + a[1] * d2;
-        let gy = b[0] * d1 + b[1] * d2;
-        for i in run.vectors() {
-            let (b1, b2) = (load(simd, &surfels.barycentric[0], i), load(simd, &surfels.barycentric[1], i));
-            let r = load(simd, inverse, i);
-            let along = b1 * splat(d1) + b2 * splat(d2);
-            store(splat(t[0][k]) + along, &mut out.st[k], i);
-            store((splat(gx) - along * splat(a[2])) * r, &mut out.d_dx[k], i);
-            store((splat(gy) - along * splat(b[2])) * r, &mut out.d_dy[k], i);
+fn uv<S: Simd, const LONG: bool>(of: &Of<S>, uv: &[Vec2], b: &[Lane; 2], inverse: &Lane, out: &mut TexCoords) {
+    let Eight { a: slopes_x, b: slopes_y, .. } = of.eight;
+    let [t0, d1, d2] = at_corners(
+        of.eight,
+        #[inline(always)]
+        |v| uv[v].to_array(),
+    );
+    // Change of the numerator per column and per row.
+    let mut change = [[[0.0; N]; 2]; 2];
+    for (change, slopes) in change.iter_mut().zip([slopes_x, slopes_y]) {
+        for k in 0..2 {
+            for t in 0..N {
+                change[k][t] = slopes[0][t] * d1[k][t] + slopes[1][t] * d2[k][t];
+            }
         }
     }
+    of.each_vector::<LONG>(
+        #[inline(always)]
+        |t, at| {
+            let constant = kernel(
+                #[inline(always)]
+                |eight: &[f32; N]| of.constant::<LONG>(eight, t),
+            );
+            let (b1, b2) = (load(of.simd, &b[0], at), load(of.simd, &b[1], at));
+            let r = load(of.simd, inverse, at);
+            for k in 0..2 {
+                let along = b1 * constant(&d1[k]) + b2 * constant(&d2[k]);
+                store(constant(&t0[k]) + along, &mut out.st[k], at);
+                store((constant(&change[0][k]) - along * constant(&slopes_x[2])) * r, &mut out.d_dx[k], at);
+                store((constant(&change[1][k]) - along * constant(&slopes_y[2])) * r, &mut out.d_dy[k], at);
+            }
+        },
+    );
 }
 
 /// Unit vectors towards the eye.

@@ -9,6 +9,7 @@ pub mod camera;
 pub mod domain;
 mod hits;
 pub mod info_buffer;
+mod plane;
 mod raster;
 pub mod tile;
 

@@ -9,6 +9,7 @@
 
 use super::Hit;
 use super::bin::{Record, STEPS, TESTED};
+use super::plane::Plane;
 use super::tile::{AlphaTest, Layer, Places, Samples, TILE, TILE_CELLS};
 use crate::math::{Each, kernel};
 use fearless_simd::{f32x8, i32x8, mask32x8, prelude::*, u32x8};
@@ -16,8 +17,6 @@ use fearless_simd::{f32x8, i32x8, mask32x8, prelude::*, u32x8};
 /// Cells along the side of a block.
 const BLOCK: i32 = 8;
 const SIDE: i32 = TILE as i32;
-/// Triangles whose box is at most this wide and high take the path without blocks.
-const SMALL: i32 = 16;
 /// Lanes of a vector.
 const LANES: usize = 8;
 
@@ -59,8 +58,8 @@ struct Pass<'a, 'f, S: Simd, const N: usize> {
     test: Option<&'a mut AlphaTest<'f>>,
     ids: &'a mut [u32],
     depths: &'a mut [f32],
-    /// Ids and depths of the layer before this one.
-    before: Option<(&'a [u32], &'a [f32])>,
+    /// The layer before this one.
+    before: Option<&'a Layer>,
     /// A lower bound of the depths in each 8 x 8 block.
     farthest: [f32; TILE_CELLS / 64],
     /// Triangles drawn into parts of each block since.
@@ -77,57 +76,6 @@ struct Pass<'a, 'f, S: Simd, const N: usize> {
     cells: i32x8<S>,
     /// 0..8.
     lanes: i32x8<S>,
-}
-
-/// Depth over a triangle: `depth0 + gy * dy + gx * dx` from its first corner, within the corners' range.
-#[derive(Clone, Copy)]
-struct Plane {
-    x0: i32,
-    y0: i32,
-    depth0: f32,
-    gx: f32,
-    gy: f32,
-    min: f32,
-    max: f32,
-}
-
-impl Plane {
-    #[inline(always)]
-    fn new(r: &Record) -> Self {
-        let (dx1, dy1) = ((r.x[1] - r.x[0]) as i64, (r.y[1] - r.y[0]) as i64);
-        let (dx2, dy2) = ((r.x[2] - r.x[0]) as i64, (r.y[2] - r.y[0]) as i64);
-        let area = dx1 * dy2 - dx2 * dy1;
-        let (dx1, dy1, dx2, dy2) = (dx1 as f64, dy1 as f64, dx2 as f64, dy2 as f64);
-        let (d1, d2) = ((r.depth[1] - r.depth[0]) as f64, (r.depth[2] - r.depth[0]) as f64);
-        let scale = STEPS as f64 / area as f64;
-        let [a, b, c] = r.depth;
-        let min = |a: f32, b: f32| if a < b { a } else { b };
-        let max = |a: f32, b: f32| if a > b { a } else { b };
-        Self {
-            x0: r.x[0],
-            y0: r.y[0],
-            depth0: a,
-            gx: ((d1 * dy2 - d2 * dy1) * scale) as f32,
-            gy: ((d2 * dx1 - d1 * dx2) * scale) as f32,
-            min: min(min(a, b), c),
-            max: max(max(a, b), c),
-        }
-    }
-
-    /// Cells from the first corner to a place in 1/256 of a cell: exact in f32, at most 24 bits.
-    #[inline(always)]
-    fn distance(&self, x: i32, y: i32) -> [f32; 2] {
-        [(x - self.x0) as f32 * (1.0 / STEPS as f32), (y - self.y0) as f32 * (1.0 / STEPS as f32)]
-    }
-
-    /// The nearest depth in a box of places: an exact bound, since rounding is monotonic.
-    #[inline(always)]
-    fn nearest(&self, x: [i32; 2], y: [i32; 2]) -> f32 {
-        let [dx, dy] = self.distance(x[(self.gx > 0.0) as usize], y[(self.gy > 0.0) as usize]);
-        let z = self.depth0 + self.gy * dy + self.gx * dx;
-        let z = if z > self.min { z } else { self.min };
-        if z < self.max { z } else { self.max }
-    }
 }
 
 /// The edge function of corner `i` to the next: `e + a * column + b * row` at a tile's cells, in 1/256 of a square cell,
@@ -169,6 +117,9 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
     /// Groups across a block, and rows of a block that eight groups fill.
     const ACROSS: i32 = BLOCK / Self::GROUP;
     const ROWS: i32 = LANES as i32 / Self::ACROSS;
+    /// Triangles whose box is smaller than this, across and down, take the path without blocks: those it tests vector by
+    /// vector, which more samples make shorter.
+    const SMALL: i32 = if N == 1 { 32 } else { 16 };
     /// Vectors of a group.
     const VECTORS: usize = if N < LANES { 1 } else { N / LANES };
 
@@ -204,7 +155,7 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
             test,
             ids: &mut layer.ids[..n],
             depths: &mut layer.depths[..n],
-            before: before.map(|b| (&b.ids[..n], &b.depths[..n])),
+            before,
             farthest: [0.0; TILE_CELLS / 64],
             n_drawn: [0; TILE_CELLS / 64],
             offsets,
@@ -233,7 +184,7 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
             if columns[0] > columns[1] || rows[0] > rows[1] {
                 continue;
             }
-            if x1 - x0 < SMALL && y1 - y0 < SMALL {
+            if x1 - x0 < Self::SMALL && y1 - y0 < Self::SMALL {
                 self.small(r, columns, rows);
             } else {
                 self.large(r, columns, rows);
@@ -245,6 +196,17 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
     #[inline(always)]
     fn small(&mut self, r: &Record, [x0, x1]: [i32; 2], [y0, y1]: [i32; 2]) {
         let simd = self.simd;
+        if x1 - x0 >= BLOCK || y1 - y0 >= BLOCK {
+            let max = |a: f32, b: f32| if a > b { a } else { b };
+            let nearest = max(max(r.depth[0], r.depth[1]), r.depth[2]);
+            if self.each_block([x0, x1], [y0, y1], |pass, block, x, y| nearest <= pass.farthest(block, x, y)) {
+                return;
+            }
+            self.each_block([x0, x1], [y0, y1], |pass, block, _, _| {
+                pass.n_drawn[block] += 1;
+                true
+            });
+        }
         // Groups that never leave the tile's row.
         let first = if N == 1 { x0.min(SIDE - Self::GROUP) } else { x0 & -Self::GROUP };
         let (px, py) = (self.corner[0] + first * STEPS, self.corner[1] + y0 * STEPS);
@@ -314,39 +276,42 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
         let simd = self.simd;
         let at = (y * SIDE + x) as usize * N + vector * LANES;
         let z = self.depth(plane, x, y, vector);
-        let depths: &mut [f32; LANES] = (&mut self.depths[at..at + LANES]).try_into().expect("eight samples");
-        let old = f32x8::load_array_ref(simd, depths);
+        let old = f32x8::from_slice(simd, &self.depths[at..at + LANES]);
         let mut pass = inside & z.simd_gt(old);
-        if let Some((ids, depths)) = self.before {
+        if let Some(before) = self.before {
             // Behind the layer before, or at the same depth and later in order.
-            let (ids, depths) = (&ids[at..at + LANES], &depths[at..at + LANES]);
+            let (ids, depths) = (&before.ids[at..at + LANES], &before.depths[at..at + LANES]);
             let (b_id, b_z) = (u32x8::from_slice(simd, ids), f32x8::from_slice(simd, depths));
             let none = b_id.simd_eq(u32x8::splat(simd, Hit::NOTHING));
             let later = z.simd_eq(b_z) & u32x8::splat(simd, id & !TESTED).simd_gt(b_id);
             pass = pass & (z.simd_lt(b_z) | later) & !none;
         }
-        if id & TESTED != 0
-            && let Some(test) = &mut self.test
-            && pass.any_true()
-        {
-            let (column, row) = (self.origin[0] + x as u32, self.origin[1] + y as u32);
-            let bits = test(
-                id & !TESTED,
-                &Places {
-                    row,
-                    column: std::array::from_fn(|lane| column + (lane / N) as u32),
-                    within: std::array::from_fn(|lane| self.offsets[(vector * LANES + lane) % N]),
-                    bits: pass.to_bitmask() as u32,
-                },
-            );
+        if id & TESTED != 0 && pass.any_true() {
+            let bits = self.tested(id & !TESTED, [x, y], vector, pass.to_bitmask() as u32);
             pass &= mask32x8::from_bitmask(simd, bits as u64);
         }
+        let depths: &mut [f32; LANES] = (&mut self.depths[at..at + LANES]).try_into().expect("eight samples");
         let new = pass.select(z, old);
         new.store_array(depths);
         let ids: &mut [u32; LANES] = (&mut self.ids[at..at + LANES]).try_into().expect("eight samples");
         let old_ids = u32x8::load_array_ref(simd, ids);
         pass.select(u32x8::splat(simd, id & !TESTED), old_ids).store_array(ids);
         new
+    }
+
+    /// Which of a vector's samples (bits) pass the alpha test. A call on purpose: what is rare shall not slow what is not.
+    #[cold]
+    #[inline(never)]
+    fn tested(&mut self, id: u32, [x, y]: [i32; 2], vector: usize, bits: u32) -> u32 {
+        let Some(test) = &mut self.test else { return bits };
+        let (column, row) = (self.origin[0] + x as u32, self.origin[1] + y as u32);
+        let places = Places {
+            row,
+            column: std::array::from_fn(|lane| column + (lane / N) as u32),
+            within: std::array::from_fn(|lane| self.offsets[(vector * LANES + lane) % N]),
+            bits,
+        };
+        test(id, &places)
     }
 
     /// Depths of a vector of samples; the one expression that all bounds rely on.
@@ -423,6 +388,20 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
             },
         );
         let reach = BLOCK - 1;
+        // From an edge function in a block's or group's first cell to its bounds within.
+        let rise = kernel(
+            #[inline(always)]
+            |k: usize| bounds[k][1] + edges[k].0.max(0) * (Self::GROUP - 1),
+        );
+        let rises = [rise(0), rise(1), rise(2)];
+        let bound = kernel(
+            #[inline(always)]
+            |k: usize| {
+                let (a, b) = edges[k];
+                [bounds[k][0] + (a.min(0) + b.min(0)) * reach, bounds[k][1] + (a.max(0) + b.max(0)) * reach]
+            },
+        );
+        let block_bounds = [bound(0), bound(1), bound(2)];
         let (corner, sample_reach) = (self.corner, self.reach);
         let places = kernel(
             #[inline(always)]
@@ -431,15 +410,16 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
                 [first + sample_reach[axis][0], first + reach * STEPS + sample_reach[axis][1]]
             },
         );
-        for by in (y0 & !(BLOCK - 1)..=y1).step_by(BLOCK as usize) {
+        let mut by = (y0 & !(BLOCK - 1)) - BLOCK;
+        while by + BLOCK <= y1 {
+            by += BLOCK;
             // Eight blocks at a time: which may hold a place, which are inside whole?
             let mut most = i32x8::splat(simd, 0);
             let mut least = i32x8::splat(simd, 0);
             for k in 0..3 {
-                let (a, b) = edges[k];
-                let at = blocks[k] + i32x8::splat(simd, b * by);
-                most |= at + i32x8::splat(simd, bounds[k][1] + (a.max(0) + b.max(0)) * reach);
-                least |= at + i32x8::splat(simd, bounds[k][0] + (a.min(0) + b.min(0)) * reach);
+                let at = blocks[k] + i32x8::splat(simd, edges[k].1 * by);
+                least |= at + i32x8::splat(simd, block_bounds[k][0]);
+                most |= at + i32x8::splat(simd, block_bounds[k][1]);
             }
             let zero = i32x8::splat(simd, 0);
             let whole = least.simd_ge(zero).to_bitmask() as u32;
@@ -471,31 +451,49 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
                 // Eight groups at a time: which may hold a place? The bound stays low, until somebody looks.
                 for top in (by..by + BLOCK).step_by(Self::ROWS as usize) {
                     let mut most = i32x8::splat(simd, 0);
+                    let mut at = [[0; LANES]; 3];
                     for k in 0..3 {
                         let (a, b) = edges[k];
-                        let rise = a.max(0) * (Self::GROUP - 1);
-                        most |= groups[k] + i32x8::splat(simd, bounds[k][1] + rise + a * bx + b * top);
+                        let group = groups[k] + i32x8::splat(simd, a * bx + b * top);
+                        group.store_array(&mut at[k]);
+                        most |= group + i32x8::splat(simd, rises[k]);
                     }
                     let mut some = most.simd_ge(zero).to_bitmask() as u32;
                     while some != 0 {
-                        let group = some.trailing_zeros() as i32;
+                        let group = some.trailing_zeros() as usize % LANES;
                         some &= some - 1;
-                        let (x, y) = (bx + group % Self::ACROSS * Self::GROUP, top + group / Self::ACROSS);
+                        let (x, y) = (group as i32 % Self::ACROSS * Self::GROUP, group as i32 / Self::ACROSS);
+                        let (x, y) = (bx + x, top + y);
                         for vector in 0..Self::VECTORS {
-                            let at = kernel(
+                            let edge = kernel(
                                 #[inline(always)]
-                                |k: usize| {
-                                    let (a, b) = edges[k];
-                                    lanes[vector][k] + i32x8::splat(simd, a * x + b * y)
-                                },
+                                |k: usize| lanes[vector][k] + i32x8::splat(simd, at[k][group]),
                             );
-                            let inside = (at(0) | at(1) | at(2)).simd_ge(zero);
+                            let inside = (edge(0) | edge(1) | edge(2)).simd_ge(zero);
                             self.write(r.id, &plane, x, y, vector, inside);
                         }
                     }
                 }
             }
         }
+    }
+
+    /// Whether `test(pass, block, column, row)` holds for all blocks that touch a box of cells; stops when it does not.
+    #[inline(always)]
+    fn each_block(
+        &mut self,
+        [x0, x1]: [i32; 2],
+        [y0, y1]: [i32; 2],
+        test: impl Fn(&mut Self, usize, i32, i32) -> bool,
+    ) -> bool {
+        for y in y0 / BLOCK..=y1 / BLOCK {
+            for x in x0 / BLOCK..=x1 / BLOCK {
+                if !test(self, (y * (SIDE / BLOCK) + x) as usize, x * BLOCK, y * BLOCK) {
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     /// A lower bound of a block's depths: looked for anew when some triangles were drawn since it was.

@@ -132,6 +132,8 @@ pub struct Layer {
     pub ids: Vec<u32>,
     /// Depths, likewise; 0 where nothing is, larger is nearer.
     pub depths: Vec<f32>,
+    /// How many samples a cell has if nothing was drawn since the last reset.
+    clear_of: Option<usize>,
 }
 
 /// What the cells of a tile see.
@@ -204,6 +206,7 @@ impl Tiles {
         if !tile.touched {
             return;
         }
+        tile.solid.clear_of = None;
         let origin = tile.origin;
         let mut draw = |lists: &[&[Record]], before: Option<&Layer>, layer: &mut Layer| {
             let test = test.as_deref_mut();
@@ -221,6 +224,7 @@ impl Tiles {
             let (before, rest) = tile.layers.split_at_mut(tile.n_layers);
             let layer = &mut rest[0];
             layer.reset(samples.n());
+            layer.clear_of = None;
             layer.depths.copy_from_slice(&tile.solid.depths);
             draw(&layered, before.last(), layer);
             if layer.ids.iter().all(|&id| id == super::Hit::NOTHING) {
@@ -231,13 +235,19 @@ impl Tiles {
     }
 }
 
+const _: () = assert!(super::Hit::NOTHING == u32::MAX);
+
 impl Layer {
     fn reset(&mut self, n_samples: usize) {
+        if self.clear_of.replace(n_samples) == Some(n_samples) {
+            return;
+        }
         let n = n_samples * TILE_CELLS;
-        self.ids.clear();
-        self.ids.resize(n, super::Hit::NOTHING);
-        self.depths.clear();
+        self.ids.resize(n, 0);
+        // All bits set: the quickest way to write it.
+        bytemuck::cast_slice_mut::<u32, u8>(&mut self.ids).fill(0xff);
         self.depths.resize(n, 0.0);
+        self.depths.fill(0.0);
     }
 }
 

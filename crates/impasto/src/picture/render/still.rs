@@ -4,9 +4,8 @@
 //! isoline or light then costs the look-up alone: no triangle is touched, however many there are. This goes for opaque
 //! surfaces: where a look can let something through, what is seen depends on it.
 
-use super::{Batch, Renderer, Room, Shader, Shortfall, Shot, Waiting, draws, shading};
-use crate::color::LinearRgba;
-use crate::lookup::{self, Look, Points};
+use super::{Batch, Cells, Renderer, Room, Shader, Shortfall, Shot, Waiting, draws, place, shading};
+use crate::lookup::{self, Look, Points, Wanted};
 use crate::math::{BATCH, Lane, Size};
 use crate::par::Workers;
 use crate::picture;
@@ -44,6 +43,8 @@ struct StillTile {
 /// One batch.
 pub(super) struct Patch {
     look: usize,
+    /// Each fills its cell.
+    is_whole: bool,
     cell: Box<[u16]>,
     samples: Box<[u16]>,
     triangle: Box<[u32]>,
@@ -104,7 +105,7 @@ impl Renderer {
         shot: &Shot,
         workers: &Workers,
         picture: &mut [T],
-        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+        finish: impl Fn([u32; 2], Cells, &mut [T]) + Sync,
     ) -> (Still, Shortfall) {
         let [n_x, n_y] = self.tiles.n_tiles();
         let still = Still {
@@ -135,7 +136,7 @@ impl Renderer {
         shot: &Shot,
         workers: &Workers,
         picture: &mut [T],
-        finish: impl Fn([u32; 2], &[LinearRgba], &mut [T]) + Sync,
+        finish: impl Fn([u32; 2], Cells, &mut [T]) + Sync,
     ) -> Shortfall {
         self.each_tile(domain, shot, workers, picture, finish, |index, shader| {
             if let Ok(tile) = still.tiles[index].lock() {
@@ -148,15 +149,16 @@ impl Renderer {
 impl Shader<'_> {
     fn replay(&mut self, tile: &StillTile, kept: &[Kept]) {
         self.truncated = false;
-        self.start(!tile.patches.is_empty(), false);
+        self.start(false);
         for patch in &tile.patches {
             let Room { waiting, batch, .. } = &mut *self.room;
             patch.unpack(&kept[patch.look], &mut waiting[patch.look], batch);
-            waiting[patch.look].place(tile.origin, &mut batch.surfels);
-            let (domain, shot) = (self.domain, self.shot);
-            dispatch!(self.workers.level(), simd => look_and_light_again(simd, domain, shot, patch.look, batch));
-            self.composite(patch.look);
-            self.room.waiting[patch.look].n = 0;
+            let (domain, shot, waiting) = (self.domain, self.shot, &waiting[patch.look]);
+            dispatch!(self.workers.level(), simd => {
+                place(tile.origin, waiting, &mut batch.surfels);
+                look_and_light_again(simd, domain, shot, patch.look, batch);
+            });
+            self.add(patch.look);
         }
     }
 
@@ -184,12 +186,21 @@ impl Patch {
         }
         let narrow = |wide: &[u32; BATCH]| wide[..n].iter().map(|x| *x as u16).collect();
         let triangle = waiting.triangle[..n].into();
-        Self { look, cell: narrow(&waiting.cell), samples: narrow(&waiting.samples), triangle, lanes, measured }
+        let is_whole = waiting.is_whole;
+        Self {
+            look,
+            is_whole,
+            cell: narrow(&waiting.cell),
+            samples: narrow(&waiting.samples),
+            triangle,
+            lanes,
+            measured,
+        }
     }
 
     fn unpack(&self, kept: &Kept, waiting: &mut Waiting, batch: &mut Batch) {
         let n = self.cell.len();
-        waiting.n = n;
+        (waiting.n, waiting.is_whole) = (n, self.is_whole);
         waiting.cell.iter_mut().zip(&self.cell).for_each(|(wide, x)| *wide = (*x).into());
         waiting.samples.iter_mut().zip(&self.samples).for_each(|(wide, x)| *wide = (*x).into());
         waiting.triangle[..n].copy_from_slice(&self.triangle);
@@ -232,7 +243,7 @@ fn each_lane(surfels: &mut Surfels, needs: Needs, mut visit: impl FnMut(&mut Lan
 #[inline(always)]
 fn look_and_light_again<S: Simd>(simd: S, domain: &Domain, shot: &Shot, look: usize, batch: &mut Batch) {
     let Batch { surfels, surfaces, scratch, light } = batch;
-    let points = Points { mesh: domain.mesh, view: &domain.view, surfels };
+    let points = Points { mesh: domain.mesh, view: &domain.view, surfels, wanted: Wanted::Light(shading(shot, look)) };
     lookup::evaluate_measured(simd, (shot.looks, look), points, scratch, surfaces);
     picture::shade(simd, shading(shot, look), shot.lighting, surfels, surfaces, light);
 }

@@ -1,0 +1,54 @@
+//! Depth over a triangle: a plane through its corners, rounded the same way wherever it is asked.
+
+use super::bin::{Record, STEPS};
+
+/// Depth over a triangle: `depth0 + gy * dy + gx * dx` from its first corner, within the corners' range.
+#[derive(Clone, Copy)]
+pub(super) struct Plane {
+    pub(super) x0: i32,
+    pub(super) y0: i32,
+    pub(super) depth0: f32,
+    pub(super) gx: f32,
+    pub(super) gy: f32,
+    pub(super) min: f32,
+    pub(super) max: f32,
+}
+
+impl Plane {
+    #[inline(always)]
+    pub(super) fn new(r: &Record) -> Self {
+        let (dx1, dy1) = ((r.x[1] - r.x[0]) as i64, (r.y[1] - r.y[0]) as i64);
+        let (dx2, dy2) = ((r.x[2] - r.x[0]) as i64, (r.y[2] - r.y[0]) as i64);
+        let area = dx1 * dy2 - dx2 * dy1;
+        let (dx1, dy1, dx2, dy2) = (dx1 as f64, dy1 as f64, dx2 as f64, dy2 as f64);
+        let (d1, d2) = ((r.depth[1] - r.depth[0]) as f64, (r.depth[2] - r.depth[0]) as f64);
+        let scale = STEPS as f64 / area as f64;
+        let [a, b, c] = r.depth;
+        let min = |a: f32, b: f32| if a < b { a } else { b };
+        let max = |a: f32, b: f32| if a > b { a } else { b };
+        Self {
+            x0: r.x[0],
+            y0: r.y[0],
+            depth0: a,
+            gx: ((d1 * dy2 - d2 * dy1) * scale) as f32,
+            gy: ((d2 * dx1 - d1 * dx2) * scale) as f32,
+            min: min(min(a, b), c),
+            max: max(max(a, b), c),
+        }
+    }
+
+    /// Cells from the first corner to a place in 1/256 of a cell: exact in f32, at most 24 bits.
+    #[inline(always)]
+    pub(super) fn distance(&self, x: i32, y: i32) -> [f32; 2] {
+        [(x - self.x0) as f32 * (1.0 / STEPS as f32), (y - self.y0) as f32 * (1.0 / STEPS as f32)]
+    }
+
+    /// The nearest depth in a box of places: an exact bound, since rounding is monotonic.
+    #[inline(always)]
+    pub(super) fn nearest(&self, x: [i32; 2], y: [i32; 2]) -> f32 {
+        let [dx, dy] = self.distance(x[(self.gx > 0.0) as usize], y[(self.gy > 0.0) as usize]);
+        let z = self.depth0 + self.gy * dy + self.gx * dx;
+        let z = if z > self.min { z } else { self.min };
+        if z < self.max { z } else { self.max }
+    }
+}
