@@ -6,10 +6,10 @@
 mod bin;
 pub mod atlas;
 pub mod camera;
+mod depth;
 pub mod domain;
 mod hits;
 pub mod info_buffer;
-mod plane;
 mod raster;
 pub mod tile;
 

@@ -9,7 +9,7 @@
 
 use super::Hit;
 use super::bin::{Record, STEPS, TESTED};
-use super::plane::Plane;
+use super::depth::{Order, Plane};
 use super::tile::{AlphaTest, Layer, Places, Samples, TILE, TILE_CELLS};
 use crate::math::{Each, kernel};
 use fearless_simd::{f32x8, i32x8, mask32x8, prelude::*, u32x8};
@@ -29,22 +29,22 @@ pub(super) fn nearest<S: Simd>(
     samples: Samples,
     origin: [u32; 2],
     test: Option<&mut AlphaTest>,
-    before: Option<&Layer>,
+    (order, before): (Order, Option<&Layer>),
     layer: &mut Layer,
 ) {
     // Each in a function of its own: together they are more than compilers digest.
     match samples {
         Samples::One => simd.vectorize(
             #[inline(always)]
-            || Pass::<'_, '_, S, 1>::new(simd, samples, origin, test, before, layer).draw(lists),
+            || Pass::<'_, '_, S, 1>::new(simd, samples, origin, test, (order, before), layer).draw(lists),
         ),
         Samples::Four => simd.vectorize(
             #[inline(always)]
-            || Pass::<'_, '_, S, 4>::new(simd, samples, origin, test, before, layer).draw(lists),
+            || Pass::<'_, '_, S, 4>::new(simd, samples, origin, test, (order, before), layer).draw(lists),
         ),
         Samples::Sixteen => simd.vectorize(
             #[inline(always)]
-            || Pass::<'_, '_, S, 16>::new(simd, samples, origin, test, before, layer).draw(lists),
+            || Pass::<'_, '_, S, 16>::new(simd, samples, origin, test, (order, before), layer).draw(lists),
         ),
     }
 }
@@ -58,6 +58,7 @@ struct Pass<'a, 'f, S: Simd, const N: usize> {
     test: Option<&'a mut AlphaTest<'f>>,
     ids: &'a mut [u32],
     depths: &'a mut [f32],
+    order: Order,
     /// The layer before this one.
     before: Option<&'a Layer>,
     /// A lower bound of the depths in each 8 x 8 block.
@@ -129,7 +130,7 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
         samples: Samples,
         origin: [u32; 2],
         test: Option<&'a mut AlphaTest<'f>>,
-        before: Option<&'a Layer>,
+        (order, before): (Order, Option<&'a Layer>),
         layer: &'a mut Layer,
     ) -> Self {
         let offsets = samples.offsets();
@@ -155,6 +156,7 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
             test,
             ids: &mut layer.ids[..n],
             depths: &mut layer.depths[..n],
+            order,
             before,
             farthest: [0.0; TILE_CELLS / 64],
             n_drawn: [0; TILE_CELLS / 64],
@@ -171,7 +173,10 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
     fn draw(&mut self, lists: &[&[Record]]) {
         let [ox, oy] = self.corner;
         let [[x_least, x_most], [y_least, y_most]] = self.reach;
-        for r in lists.iter().copied().flatten() {
+        let order = self.order;
+        let nth = move |k: usize, n: usize| if order == Order::Forward { k } else { n - 1 - k };
+        let records = (0..lists.len()).map(|l| lists[nth(l, lists.len())]);
+        for r in records.flat_map(move |list| (0..list.len()).map(move |k| &list[nth(k, list.len())])) {
             let min = |v: [i32; 3]| v[0].min(v[1]).min(v[2]);
             let max = |v: [i32; 3]| v[0].max(v[1]).max(v[2]);
             // Columns and rows of cells with places in the box, relative to the tile.
@@ -199,7 +204,9 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
         if x1 - x0 >= BLOCK || y1 - y0 >= BLOCK {
             let max = |a: f32, b: f32| if a > b { a } else { b };
             let nearest = max(max(r.depth[0], r.depth[1]), r.depth[2]);
-            if self.each_block([x0, x1], [y0, y1], |pass, block, x, y| nearest <= pass.farthest(block, x, y)) {
+            if self.each_block([x0, x1], [y0, y1], |pass, block, x, y| {
+                pass.order.hides(nearest, pass.farthest(block, x, y))
+            }) {
                 return;
             }
             self.each_block([x0, x1], [y0, y1], |pass, block, _, _| {
@@ -277,7 +284,8 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
         let at = (y * SIDE + x) as usize * N + vector * LANES;
         let z = self.depth(plane, x, y, vector);
         let old = f32x8::from_slice(simd, &self.depths[at..at + LANES]);
-        let mut pass = inside & z.simd_gt(old);
+        let (bits, old_bits): (i32x8<S>, i32x8<S>) = (z.bitcast(), old.bitcast());
+        let mut pass = inside & (bits + self.order.bias()).simd_gt(old_bits);
         if let Some(before) = self.before {
             // Behind the layer before, or at the same depth and later in order.
             let (ids, depths) = (&before.ids[at..at + LANES], &before.depths[at..at + LANES]);
@@ -430,7 +438,7 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
                 todo &= todo - 1;
                 let bx = column as i32 * BLOCK;
                 let block = (by / BLOCK * (SIDE / BLOCK)) as usize + column as usize;
-                if plane.nearest(places(0, bx), places(1, by)) <= self.farthest(block, bx, by) {
+                if self.order.hides(plane.nearest(places(0, bx), places(1, by)), self.farthest(block, bx, by)) {
                     continue;
                 }
                 if whole >> column & 1 == 1 {

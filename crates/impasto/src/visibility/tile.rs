@@ -1,6 +1,7 @@
 //! From triangles to tiles of cells: the drive of the rasterizer, and what a tile holds.
 
 use super::bin::{Bins, Record};
+use super::depth::Order;
 use super::{Domain, raster};
 use crate::math::Size;
 use crate::par::Workers;
@@ -208,11 +209,11 @@ impl Tiles {
         }
         tile.solid.clear_of = None;
         let origin = tile.origin;
-        let mut draw = |lists: &[&[Record]], before: Option<&Layer>, layer: &mut Layer| {
+        let mut draw = |lists: &[&[Record]], how: (Order, Option<&Layer>), layer: &mut Layer| {
             let test = test.as_deref_mut();
-            dispatch!(workers.level(), simd => raster::nearest(simd, lists, samples, origin, test, before, layer));
+            dispatch!(workers.level(), simd => raster::nearest(simd, lists, samples, origin, test, how, layer));
         };
-        draw(&solid, None, &mut tile.solid);
+        draw(&solid, (Order::nearer_first(&solid), None), &mut tile.solid);
         while !layered.is_empty() && layered.iter().any(|l| !l.is_empty()) {
             if tile.n_layers == MAX_LAYERS {
                 tile.truncated = true;
@@ -226,7 +227,7 @@ impl Tiles {
             layer.reset(samples.n());
             layer.clear_of = None;
             layer.depths.copy_from_slice(&tile.solid.depths);
-            draw(&layered, before.last(), layer);
+            draw(&layered, (Order::Forward, before.last()), layer);
             if layer.ids.iter().all(|&id| id == super::Hit::NOTHING) {
                 break;
             }

@@ -1,4 +1,5 @@
-//! Depth over a triangle: a plane through its corners, rounded the same way wherever it is asked.
+//! Depth over a triangle: a plane through its corners, rounded the same way wherever it is asked; and the order in which
+//! depths meet.
 
 use super::bin::{Record, STEPS};
 
@@ -50,5 +51,40 @@ impl Plane {
         let z = self.depth0 + self.gy * dy + self.gx * dx;
         let z = if z > self.min { z } else { self.min };
         if z < self.max { z } else { self.max }
+    }
+}
+
+/// In which order triangles are drawn. The picture is the same; nearest first hides more, sooner.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Order {
+    /// As submitted: at equal depths the first one drawn stays.
+    Forward,
+    /// From the last to the first, into a layer that is empty: at equal depths the last one drawn takes over.
+    Backward,
+}
+
+impl Order {
+    /// The order that seems to begin nearer to the eye.
+    pub(super) fn nearer_first(lists: &[&[Record]]) -> Self {
+        const SOME: usize = 8;
+        let nearest = |records: &mut dyn Iterator<Item = &Record>| {
+            records.take(SOME).flat_map(|r| r.depth).fold(0.0, |a: f32, b| if a > b { a } else { b })
+        };
+        let first = nearest(&mut lists.iter().copied().flatten());
+        let last = nearest(&mut lists.iter().rev().flat_map(|l| l.iter().rev()));
+        if last > first { Self::Backward } else { Self::Forward }
+    }
+
+    /// Added to the bits of a depth before they are compared for greater: depths are not negative, so their bits are
+    /// ordered as they are.
+    #[inline(always)]
+    pub(super) fn bias(self) -> i32 {
+        (self == Self::Backward) as i32
+    }
+
+    /// Whether what reaches at most this depth is hidden where at least the other one is.
+    #[inline(always)]
+    pub(super) fn hides(self, nearest: f32, farthest: f32) -> bool {
+        nearest.to_bits() as i32 + self.bias() <= farthest.to_bits() as i32
     }
 }
