@@ -14,6 +14,8 @@ pub mod assets;
 
 pub mod samples;
 
+pub mod section;
+
 pub mod placement;
 pub mod visibility;
 pub mod lookup;
