@@ -3,11 +3,11 @@
 //! Sulci run where smooth noise is zero: lines of one width that branch, end and never cross. Not anatomy, but as hard to
 //! show as anatomy is.
 
-use crate::assets::{Element, Field, Scene, Values};
+use crate::assets::{Element, Field, Material, Scene, Values};
 use crate::math::exact::exp;
 use crate::math::{DVec3, Vec3};
 use crate::noise::{Lattice, fbm_3d, gradient_3d};
-use crate::samples::plain;
+use crate::samples::{plain, sheet};
 
 /// Millimetres from the middle to the front.
 const LENGTH: f64 = 84.0;
@@ -34,7 +34,11 @@ pub fn scene(n: u32, seed: u32) -> Scene {
     let (name, unit) = ("thickness".into(), "mm".into());
     raw.fields = vec![Field { name, unit, element: Element::Vertex, n_components: 1, values }];
     raw.uv_sets.clear();
-    Scene::of("cortex", raw.mend().value)
+    raw.parts.clear();
+    sheet::part(&mut raw, "cortex", Some(0));
+    let material =
+        Material { name: "cortex".into(), base_color: [0.62, 0.45, 0.40, 1.0], roughness: 0.5, ..Material::default() };
+    Scene { materials: vec![material], ..Scene::of("cortex", raw.mend().value) }
 }
 
 /// The hull without folds: flat towards the other half, and a little below.

@@ -47,10 +47,18 @@ fn picked_values_give_the_pixels_of_the_gallery() {
         let Some((index, component)) = named(&prepared.scene.mesh, given) else { continue };
         let table = table(&prepared);
         let [from, to] = prepared.keys[0].range;
+        let buffer = inspect::probe::buffer(&domain, &shot, &workers);
+        let shown = inspect::measured(&prepared.keys[0].property, &buffer, &domain, &workers);
         let mut n_covered = 0;
         for cell in 0..56 * 42 {
             let probe = inspect::probe(&domain, &shot, [cell % 56, cell / 56], &workers);
             let Some(found) = probe.found.first() else { continue };
+            if layer.missing_mode.is_some() && shown[cell as usize].is_nan() {
+                let drawn = picture.light[cell as usize];
+                assert!(drawn == table.missing || Some(drawn) == table.hatch, "{path:?}, pixel {:?}", probe.cell);
+                n_covered += 1;
+                continue;
+            }
             let numbers = &found.fields[index];
             let picked = component.map_or_else(|| numbers.iter().map(|x| x * x).sum::<f64>().sqrt(), |c| numbers[c]);
             let is_even = table.range == [0.0, 1.0] && table.scale == Default::default();
