@@ -35,10 +35,16 @@ impl std::fmt::Display for Told {
 
 impl std::error::Error for Told {}
 
-/// Says in one line what went wrong, the cause last.
+/// Says in one line what went wrong, the cause last. Errors that name their cause themselves say it once.
 pub(crate) fn failed(error: &anyhow::Error) {
-    let text = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
-    eprintln!("impasto: {text}");
+    let mut told = String::new();
+    for cause in error.chain().map(|cause| cause.to_string()).filter(|cause| !cause.is_empty()) {
+        if !told.contains(&cause) {
+            told += if told.is_empty() { "" } else { ": " };
+            told += &cause;
+        }
+    }
+    eprintln!("impasto: {}", told.split_whitespace().collect::<Vec<_>>().join(" "));
 }
 
 /// Says in one line what had to be mended.

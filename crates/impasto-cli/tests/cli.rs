@@ -22,6 +22,7 @@ fn ok(folder: &Path, args: &[&str]) -> String {
 fn fails(folder: &Path, args: &[&str]) -> String {
     let out = impasto(folder, args);
     let error = text(&out.stderr);
+    assert!(error.matches("os error").count() < 2, "{error} says its cause once");
     assert_eq!(out.status.code(), Some(1), "{args:?}: {error}");
     assert_eq!(error.lines().count(), 1, "{args:?} says one line: {error:?}");
     assert!(error.starts_with("impasto: "), "{error}");
@@ -163,6 +164,13 @@ fn a_turntable_is_a_gif_an_animated_png_or_a_folder() {
     let recipe = "[input]\nfile = 'sample:cube'\nresolution = 8\n[picture]\nsize = [40, 30]\n[turntable]\nframes = 2\n";
     std::fs::write(dir.path().join("r.toml"), recipe).unwrap();
     assert!(ok(dir.path(), &["run", "r.toml"]).contains("r.gif: 2 frames"));
+    let flange = |range: &'static str| {
+        let words = ["turntable", "sample:flange", "-o", "range/", "--frames", "2", "--color-by", "stress"].into_iter();
+        words.chain(SMALL).chain(["--watch-range", range]).collect::<Vec<_>>()
+    };
+    ok(dir.path(), &flange("0:50..0:200"));
+    assert_eq!(files(&dir.path().join("range")).len(), 2);
+    assert!(fails(dir.path(), &flange("0:50")).contains("like 0:10..0:200"));
     for wrong in [&["-o", "a.mp4"][..], &["-o", "b.gif", "--fps", "1000"], &["-o", "b.gif", "--camera", "atlas"]] {
         fails(dir.path(), &walk(wrong));
     }
