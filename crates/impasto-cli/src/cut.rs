@@ -5,9 +5,9 @@ use crate::render::{self, info_count};
 use crate::report;
 use anyhow::{Context, Result, bail};
 use impasto::assets::files::{self, MESH_FORMATS};
+use impasto::par::Workers;
 use impasto::recipe::cut::{self, Halves};
 use impasto::recipe::{CutRecipe, Recipe, source};
-use impasto::par::Workers;
 use impasto::section::cut::volume;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -170,9 +170,7 @@ fn write(recipe: &Recipe, path: &Path, as_json: bool) -> Result<()> {
     let n_open = gaps.iter().filter(|g| !g.bridged).count();
     if as_json {
         let half = |(path, n, volume): &(PathBuf, usize, f64)| json!({"path": path, "triangles": n, "volume": volume});
-        let gap = |g: &impasto::section::cut::Gap| {
-            json!({"from": g.from.to_array(), "to": g.to.to_array(), "length": g.length, "bridged": g.bridged})
-        };
+        let gap = |g: &impasto::section::cut::Gap| json!({"from": g.from.to_array(), "to": g.to.to_array(), "length": g.length, "bridged": g.bridged});
         let mended: Vec<_> = mended.iter().map(|m| json!({"count": m.count, "what": m.what})).collect();
         let report = json!({
             "input": recipe.subject(),

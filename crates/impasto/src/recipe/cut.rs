@@ -6,6 +6,7 @@ use crate::math::{DVec3, Vec2, Vec3, Vec4, vec2, vec3};
 use crate::recipe::CutRecipe;
 use crate::recipe::laid_open::laid_open;
 use crate::recipe::words::{choose, choose_or, color, impossible};
+use crate::section::cut::skin::Skin;
 use crate::section::cut::{self, CAP_NAME, Cut, Gap, Half, Policy, Relief, UV_NAME};
 use crate::section::grain::figures::{Figure, figures};
 use crate::section::grain::{
@@ -84,15 +85,24 @@ fn halves_lit(recipe: &CutRecipe, scene: &Scene, seed: u32, is_lit: bool) -> Res
         Some(Fill { grain, finest }) => {
             let window = window(scene, origin, axes);
             let pitch = finest * PITCH;
-            let n_corners = (window.max - window.min) / pitch;
-            if n_corners.x * n_corners.y > MOST_CORNERS {
-                let why = format!("the particles are too small for this section: it would need {n_corners:.0} corners");
+            let size = (window.max - window.min) / pitch;
+            let n_corners = size.x * size.y;
+            if n_corners > MOST_CORNERS {
+                let why = format!(
+                    "the particles are too small for this section: at most 4 million corners, not {n_corners:.1e}"
+                );
                 return Err(impossible("spacing", grain.spec().spacing, why));
             }
             let edges = grain.discs(&plane, window).map_or(Vec::new(), |discs| discs.edges(EDGE_CORNERS));
+            let skin = Skin::of(mesh);
             let shows = |p: DVec3, side: Side| {
                 let hit = grain.eval(p, &plane, Look { kind, side });
-                Hit { height: if is_flat { 0.0 } else { hit.height }, ..hit }
+                if is_flat || hit.height == 0.0 {
+                    return Hit { height: 0.0, ..hit };
+                }
+                // Within this distance there is no skin that a cavity could pierce.
+                let most = WITHIN_SKIN * skin.distance(p) as f32;
+                Hit { height: hit.height.clamp(-most, most), ..hit }
             };
             cut::cut_with_relief(mesh, &plane, policy, &Relief { pitch, points: &edges, shows: &shows })
         }
@@ -109,6 +119,9 @@ fn halves_lit(recipe: &CutRecipe, scene: &Scene, seed: u32, is_lit: bool) -> Res
     });
     Ok(Halves { scenes, plane, origin, gaps, mended })
 }
+
+/// Relief goes so far of the way to the skin: something is left between them.
+const WITHIN_SKIN: f32 = 0.9;
 
 /// Distance of a cap's corners, in radii of the smallest particle.
 const PITCH: f32 = 0.2;
@@ -260,7 +273,9 @@ fn plane(recipe: &CutRecipe, normal: Vec3, scene: &Scene) -> Result<Plane> {
     let used = mesh.triangles().iter().flatten().map(|&v| plane.distance(mesh.positions()[v as usize].as_dvec3()));
     let (low, high) = used.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(d), b.max(d)));
     match (recipe.at, recipe.through) {
-        (Some(at), Some(_)) => Err(impossible("at", at, "the plane goes through a point already: leave one of them out")),
+        (Some(at), Some(_)) => {
+            Err(impossible("at", at, "the plane goes through a point already: leave one of them out"))
+        }
         (None, Some(_)) if low < 0.0 && high > 0.0 => Ok(plane),
         (None, Some(_)) => {
             let given = format!("{},{},{}", point.x, point.y, point.z);
@@ -270,7 +285,11 @@ fn plane(recipe: &CutRecipe, normal: Vec3, scene: &Scene) -> Result<Plane> {
         (at, None) => {
             let at = at.unwrap_or(0.5);
             if !(at > 0.0 && at < 1.0) {
-                return Err(impossible("at", at, "a share of the way through: between 0 and 1, or the plane misses the mesh"));
+                return Err(impossible(
+                    "at",
+                    at,
+                    "a share of the way through: between 0 and 1, or the plane misses the mesh",
+                ));
             }
             Ok(Plane { offset: plane.offset + low + (high - low) * at as f64, ..plane })
         }
