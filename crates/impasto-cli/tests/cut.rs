@@ -95,7 +95,7 @@ fn what_cannot_be_gives_one_line_and_leaves_nothing_behind() {
         ("--through 0,0,0 --at 0.5", "through a point already"),
         ("--at 1.5", "misses"),
         ("--at nan", "at"),
-        ("--grain stone", "known are"),
+        ("--grain stone", "grain"),
         ("--kind torn", "tear"),
         ("--policy bridge:-1", "above zero"),
         ("--relief deep", "footprint"),
