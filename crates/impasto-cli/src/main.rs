@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod completions;
+mod cut;
 mod gallery;
 mod gallery_page;
 mod info;
@@ -38,6 +39,7 @@ const EXAMPLES: &str = "Examples:
   impasto render sample:chameleon -o a.png      no file at hand? samples are made by formula
   impasto info scan.ply                         what is in a file, and what had to be mended
   impasto probe scan.ply --at 640,360           what is at a pixel: triangle, texel, position, data
+  impasto cut scan.ply -o cut.png               cut open: both halves, with the grain of their sections
   impasto render scan.ply -o a.png --color-by t data as colours, with a legend; impasto check a.png reads it back
 Each command has its own examples: impasto render --help";
 
@@ -49,6 +51,7 @@ enum Command {
     Probe(probe::Args),
     Check(check::Args),
     Turntable(turntable::Args),
+    Cut(cut::Args),
     Run(run::Args),
     Gallery(gallery::Args),
     Bench(bench::Args),
@@ -86,6 +89,7 @@ fn run_command(cli: Cli) -> Result<()> {
         Command::Probe(args) => probe::run(&args, &workers),
         Command::Check(args) => check::run(&args, &workers),
         Command::Turntable(args) => turntable::run(&args, &workers),
+        Command::Cut(args) => cut::run(&args, &workers),
         Command::Run(args) => run::run(&args, &workers),
         Command::Gallery(args) => gallery::run(&args, &workers),
         Command::Bench(args) => bench::run(&args, &workers),

@@ -50,6 +50,7 @@ fn every_key_of_a_recipe_is_documented() {
     let docs = std::fs::read_to_string(root().join("docs/recipes.md")).unwrap();
     for (file, name, section) in [
         ("mod", "Input", "[input]"),
+        ("mod", "CutRecipe", "[cut]"),
         ("mod", "CameraRecipe", "[camera]"),
         ("mod", "PictureRecipe", "[picture]"),
         ("mod", "SurfaceRecipe", "[surface]"),

@@ -7,7 +7,9 @@
 pub mod ball;
 mod change;
 pub mod check;
+pub mod cut;
 pub mod data;
+mod laid_open;
 pub mod layer;
 pub mod legend;
 pub mod output;
@@ -43,6 +45,9 @@ pub struct Recipe {
     /// What is shown.
     #[serde(skip_serializing_if = "is_default")]
     pub input: Input,
+    /// Where it is cut open, and what that shows: both halves are seen side by side.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cut: Option<CutRecipe>,
     /// From where.
     #[serde(skip_serializing_if = "is_default")]
     pub camera: CameraRecipe,
@@ -98,6 +103,53 @@ pub struct Input {
     /// `@on=vertices` or `@on=faces`, `@as=NAME`, `@unit=TEXT`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fields: Vec<String>,
+}
+
+/// Where a scene is cut open, and what its grain is. Lengths in model units.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CutRecipe {
+    /// Normal of the cut, any length: out of half a. Absent: +X, or the figure's.
+    pub normal: Option<[f32; 3]>,
+    /// Where along the normal, as a share of the way through; absent: 0.5.
+    pub at: Option<f32>,
+    /// A point that the cut goes through, in place of `at`.
+    pub through: Option<[f32; 3]>,
+    /// What becomes of particles: `tear` (they stay whole, the default), `hollow` or `solid`.
+    pub kind: Option<String>,
+    /// `sphere` (the default), `ellipsoid`, `cylinder`, `capsule`, `box`, `superquadric`, `tetrahedron`, `cube`, `octahedron`,
+    /// `dodecahedron`, `icosahedron`, or `none` for a plain cut.
+    pub grain: Option<String>,
+    /// Between particles; absent: 3 % of the scene's largest extent.
+    pub spacing: Option<f32>,
+    /// Of particles; absent: half the spacing.
+    pub radius: Option<f32>,
+    /// Of particles that have one, from end to end; absent: 0.8 times their width, of capsules 1.4 times.
+    pub height: Option<f32>,
+    /// Where particles point; absent: anywhere.
+    pub axis: Option<[f32; 3]>,
+    /// They point up to so many degrees away from the axis.
+    pub cone: Option<f32>,
+    /// How far centres move off their lattice, in spacings, 0 to 0.5.
+    pub jitter: Option<f32>,
+    /// How much sizes differ: 0.35 is between 65 % and 135 %.
+    pub size_spread: Option<f32>,
+    /// Another seed, another grain of the same kind; absent: that of `input`.
+    pub seed: Option<u32>,
+    /// Particles and normal of Li 2022, Fig. 6 to 12, as large as its model would have them.
+    pub figure: Option<u32>,
+    /// `fixed` (the default), or `paper`: the formulas of Li 2022 with their slips.
+    pub profile: Option<String>,
+    /// Where the outline does not close: `winding` (the default), `strict`, `bridge:LENGTH` or `open`.
+    pub policy: Option<String>,
+    /// `footprint` (the default): the caps are true relief; `none`: they are flat and only shaded.
+    pub relief: Option<String>,
+    /// `a` (below the cut, on the left), `b`, or `both` (the default).
+    pub half: Option<String>,
+    /// Colour between the particles.
+    pub matrix: Option<String>,
+    /// Colour of the particles; absent: some colours, by particle.
+    pub particles: Option<String>,
 }
 
 /// From where a surface is seen.

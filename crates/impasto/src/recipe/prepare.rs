@@ -17,7 +17,7 @@ use crate::recipe::legend::{Labelled, Legend};
 use crate::recipe::source::Surroundings;
 use crate::recipe::view::Frame;
 use crate::recipe::words::{choose, color, impossible};
-use crate::recipe::{Recipe, SurfaceRecipe, View, legend, source, stack, view};
+use crate::recipe::{CameraRecipe, Recipe, SurfaceRecipe, View, cut, legend, source, stack, view};
 use crate::visibility::{Camera, Samples};
 use std::path::Path;
 use std::sync::Arc;
@@ -118,6 +118,10 @@ fn prepare_seen(
     let samples = samples(recipe)?;
     let background = view::background(&recipe.picture)?;
 
+    let scene = match &recipe.cut {
+        Some(cut) => cut::open(cut, scene, on_seed(recipe))?,
+        None => scene,
+    };
     let Report { value: mut scene, mut mended } = scene;
     let mut uv_set = 0;
     if recipe.input.unwrap == Some(true) {
@@ -152,7 +156,7 @@ fn prepare_seen(
     let frame = Frame::beside(legend.as_ref().map(|(_, layout)| layout), size);
     let view = match camera {
         Some(camera) => View::Camera(camera),
-        None => view::view(&recipe.camera, &scene, frame.size)?,
+        None => view::view(&recipe.seen_from(), &scene, frame.size)?,
     };
     let around = match &recipe.picture.environment {
         None => None,
@@ -254,6 +258,16 @@ fn size(recipe: &Recipe) -> Result<Size> {
 }
 
 impl Recipe {
+    /// The camera; what is cut open it looks into.
+    fn seen_from(&self) -> CameraRecipe {
+        let mut camera = self.camera.clone();
+        if self.cut.is_some() && camera.view.is_none() {
+            camera.view = Some("front".into());
+            camera.elevation = camera.elevation.or(Some(14.0));
+        }
+        camera
+    }
+
     /// Whether colours stand for numbers, so that light must not change them more than needed.
     pub fn shows_data(&self) -> bool {
         self.layers.iter().any(|l| l.table.is_some())
