@@ -99,7 +99,7 @@ fn what_cannot_be_gives_one_line_and_leaves_nothing_behind() {
         ("--kind torn", "tear"),
         ("--policy bridge:-1", "above zero"),
         ("--relief deep", "footprint"),
-        ("--half c", "both"),
+        ("--half c", "half"),
         ("--figure 3", "one of 6"),
     ] {
         for file in ["half.stl", "cut.png"] {
