@@ -184,8 +184,8 @@ fn write(recipe: &Recipe, path: &Path, as_json: bool) -> Result<()> {
     report::mended(&mended);
     let gaps = match (n_open, gaps.len() - n_open) {
         (0, 0) => "no gaps".to_owned(),
-        (open, 0) => format!("{open} gaps"),
-        (open, bridged) => format!("{open} gaps, {bridged} bridged"),
+        (open, 0) => format!("gaps: {open}"),
+        (open, bridged) => format!("gaps: {open}, and {bridged} bridged"),
     };
     for (path, n, volume) in &told {
         report::out(&format!("{}: {} triangles, volume {volume:.6}, {gaps}", path.display(), info_count(*n)))?;

@@ -45,6 +45,7 @@ const TOPICS: [(&str, &str, &str); 11] = [
     ),
     ("backgrounds", "Before what", "Backgrounds by name, and transparent pictures."),
     ("data", "Data on surfaces", "Colour codes, isolines, filters and cuts: numbers one can read off the picture."),
+    ("section", "Cut open", "Both halves of a body filled with particles, after Li 2022: torn, hollow, solid."),
     ("information", "Textures as information", "The buffer behind a picture: every pixel knows its texel."),
 ];
 
