@@ -22,7 +22,7 @@ impl Panel<'_> {
 }
 
 /// Topics in the page's order: folder, heading, and a sentence about them.
-const TOPICS: [(&str, &str, &str); 11] = [
+const TOPICS: [(&str, &str, &str); 12] = [
     ("hero", "Impasto", ""),
     ("samples", "Surfaces by formula", "Everything here is drawn from these; no file is read."),
     (

@@ -154,7 +154,8 @@ impl Prepared {
             return renderer.shade_still(still, &domain, &shot, workers, picture, finish);
         }
         renderer.sort(&domain, &shot, workers);
-        if *stands_still {
+        // Where something can be seen through, each picture is made anew: nothing is kept for it.
+        if *stands_still && self.looks.is_opaque() {
             let (seen, shortfall) = renderer.record(&domain, &shot, workers, picture, finish);
             *still = Some(seen);
             return shortfall;
