@@ -6,10 +6,10 @@ use crate::lookup::TextureId;
 use crate::picture::sphere_texture::Material;
 use crate::picture::{Lighting, Reflection};
 use crate::placement::Viewpoint;
-use crate::recipe::data::Key;
+use crate::recipe::data::{Key, Sampled};
 use crate::recipe::stack::Ground;
 use crate::recipe::words::impossible;
-use crate::recipe::{Prepared, Recipe, View, data, legend, stack, view};
+use crate::recipe::{Prepared, Recipe, legend, stack, view};
 use std::path::PathBuf;
 
 /// What a recipe's layers were made from.
@@ -17,7 +17,7 @@ pub(super) struct Making {
     pub(super) base: PathBuf,
     pub(super) seed: u32,
     pub(super) uv_set: usize,
-    pub(super) grids: Vec<data::Sampled>,
+    pub(super) grids: Vec<Sampled>,
     pub(super) ball: Material,
     /// Of each layer of the recipe; none: it is in the mesh's colours.
     pub(super) textures: Vec<Option<TextureId>>,
@@ -52,13 +52,8 @@ impl Prepared {
         let mut mended = Vec::new();
         let lighting = self.lighting_by(recipe)?;
         let on = self.making.on(&self.scene, self.domain().view, &lighting, &self.keys);
-        let keys = data::keys(&recipe.layers, &on, &mut mended)?;
+        let (keys, legend, labelled) = legend::told(recipe, &on, (self.size, self.background), &mut mended)?;
         let on = Ground { known: &keys, ..on };
-        let legend = match &self.view {
-            View::Atlas(_) => None,
-            View::Camera(_) => legend::legend(recipe, &keys, &on, self.size, self.background)?,
-        };
-        let labelled = legend::labelled(recipe, &on)?;
         let mut made = Vec::new();
         for (layer, texture) in recipe.layers.iter().zip(&self.making.textures).filter(|(l, _)| l.is_data()) {
             if let Some(id) = texture {

@@ -1,7 +1,7 @@
 //! A picture's legend, from what its layers show.
 
 use crate::color::{LinearRgb, LinearRgba};
-use crate::error::Result;
+use crate::error::{Mended, Result};
 use crate::lookup::{Levels, Scale};
 use crate::math::Size;
 use crate::picture::Background;
@@ -17,6 +17,26 @@ use crate::recipe::layer::LayerRecipe;
 use crate::recipe::stack::Ground;
 use crate::recipe::words::choose_or;
 use crate::recipe::{LegendRecipe, Recipe};
+
+/// What a picture says about its data: what colours stand for, the legend that tells it, and isolines with their values.
+pub(super) type Told = (Vec<Key>, Option<(Legend, LegendLayout)>, Vec<Labelled>);
+
+/// What is told of a recipe's data; an atlas has no legend.
+pub(super) fn told(
+    recipe: &Recipe,
+    on: &Ground,
+    (size, background): (Size, Background),
+    mended: &mut Vec<Mended>,
+) -> Result<Told> {
+    let keys = data::keys(&recipe.layers, on, mended)?;
+    let on = &Ground { known: &keys, ..*on };
+    let legend = match recipe.camera.view.as_deref() {
+        Some("atlas") => None,
+        _ => legend(recipe, &keys, on, size, background)?,
+    };
+    let labelled = labelled(recipe, on)?;
+    Ok((keys, legend, labelled))
+}
 
 /// What a legend tells: of one property, or of one that another filters.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +61,7 @@ impl Legend {
 const MOST_LINES: usize = 40;
 
 /// The legend of a picture with these keys, if it is to have one: for pictures through a camera, of their first table.
-pub(super) fn legend(
+fn legend(
     recipe: &Recipe,
     keys: &[Key],
     on: &Ground,
@@ -130,7 +150,7 @@ pub struct Labelled {
 }
 
 /// The lines of a recipe that get labels: the major ones, where there are such.
-pub(super) fn labelled(recipe: &Recipe, on: &Ground) -> Result<Vec<Labelled>> {
+fn labelled(recipe: &Recipe, on: &Ground) -> Result<Vec<Labelled>> {
     let mut all = Vec::new();
     if recipe.legend.line_labels != Some(true) {
         return Ok(all);

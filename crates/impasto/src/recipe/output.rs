@@ -80,7 +80,9 @@ pub(super) fn metadata<'a>(recipe: &Recipe, view: &View, about: &[(&'a str, Stri
     metadata.extend(about.iter().map(|(k, v)| (*k, v.clone())));
     metadata.push(("Scene", recipe.subject().into()));
     metadata.push(("Camera", view.to_string()));
-    metadata.push(("Recipe", text::to_toml(recipe)));
+    // What draws it again; where this one was written is nobody's business.
+    let again = Recipe { output: Default::default(), ..recipe.clone() };
+    metadata.push(("Recipe", text::to_toml(&again)));
     metadata
 }
 

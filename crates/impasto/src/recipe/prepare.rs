@@ -142,13 +142,8 @@ fn prepare_seen(
     let nowhere = Viewpoint { eye_from_world: Mat4::IDENTITY, eye: Vec3::ZERO, parallel: Some(Vec3::Z) };
     let dark = Lighting::flat(0.0);
     let on = making.on(&scene, nowhere, &dark, &[]);
-    let keys = data::keys(&recipe.layers, &on, &mut mended)?;
+    let (keys, legend, labelled) = legend::told(recipe, &on, (size, background), &mut mended)?;
     let on = stack::Ground { known: &keys, ..on };
-    let legend = match recipe.camera.view.as_deref() {
-        Some("atlas") => None,
-        _ => legend::legend(recipe, &keys, &on, size, background)?,
-    };
-    let labelled = legend::labelled(recipe, &on)?;
     let table_colors = match recipe.layers.iter().find(|l| l.gouraud == Some(true)) {
         Some(layer) => Some(data::vertex_colors(layer, &on)?),
         None => None,
