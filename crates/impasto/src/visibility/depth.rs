@@ -38,16 +38,23 @@ impl Plane {
         }
     }
 
-    /// Cells from the first corner to a place in 1/256 of a cell: exact in f32, at most 24 bits.
+    /// Columns from the first corner to a place in 1/256 of a cell: exact in f32, at most 24 bits.
     #[inline(always)]
-    pub(super) fn distance(&self, x: i32, y: i32) -> [f32; 2] {
-        [(x - self.x0) as f32 * (1.0 / STEPS as f32), (y - self.y0) as f32 * (1.0 / STEPS as f32)]
+    pub(super) fn distance_x(&self, x: i32) -> f32 {
+        (x - self.x0) as f32 * (1.0 / STEPS as f32)
+    }
+
+    /// The same for rows.
+    #[inline(always)]
+    pub(super) fn distance_y(&self, y: i32) -> f32 {
+        (y - self.y0) as f32 * (1.0 / STEPS as f32)
     }
 
     /// The nearest depth in a box of places: an exact bound, since rounding is monotonic.
     #[inline(always)]
     pub(super) fn nearest(&self, x: [i32; 2], y: [i32; 2]) -> f32 {
-        let [dx, dy] = self.distance(x[(self.gx > 0.0) as usize], y[(self.gy > 0.0) as usize]);
+        let dx = self.distance_x(x[(self.gx > 0.0) as usize]);
+        let dy = self.distance_y(y[(self.gy > 0.0) as usize]);
         let z = self.depth0 + self.gy * dy + self.gx * dx;
         let z = if z > self.min { z } else { self.min };
         if z < self.max { z } else { self.max }

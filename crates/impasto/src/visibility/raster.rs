@@ -197,7 +197,7 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
         }
     }
 
-    /// A triangle whose box is small enough for 32 bits: row by row.
+    /// A triangle whose box is small enough for 32 bits: column of vectors by column of vectors, row by row.
     #[inline(always)]
     fn small(&mut self, r: &Record, [x0, x1]: [i32; 2], [y0, y1]: [i32; 2]) {
         let simd = self.simd;
@@ -225,64 +225,67 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
             },
         );
         let edges = [edge(0, 1), edge(1, 2), edge(2, 0)];
-        let lanes = kernel(
+        let down = edges.each(
             #[inline(always)]
-            |vector: usize| {
-                edges.each(
-                    #[inline(always)]
-                    |(_, a, b)| {
-                        let [x, y] = self.places[vector];
-                        x * i32x8::splat(simd, a) + y * i32x8::splat(simd, b)
-                    },
-                )
-            },
+            |(_, _, b)| i32x8::splat(simd, b * STEPS),
         );
-        let lanes = [lanes(0), if Self::VECTORS > 1 { lanes(1) } else { lanes(0) }];
+        let inside = kernel(
+            #[inline(always)]
+            |at: &[i32x8<S>; 3]| (at[0] | at[1] | at[2]).simd_ge(i32x8::splat(simd, 0)),
+        );
         let mut plane = None;
-        let mut e_row = edges.each(
-            #[inline(always)]
-            |(e, _, _)| e,
-        );
-        for y in y0..=y1 {
-            let mut x = first;
-            loop {
-                let e = [0, 1, 2].each(
+        let mut x = first;
+        loop {
+            for vector in 0..Self::VECTORS {
+                let mut at = edges.each(
                     #[inline(always)]
-                    |k: usize| e_row[k] + edges[k].1 * ((x - first) * STEPS),
+                    |(e, a, b)| {
+                        let [across, along] = self.places[vector];
+                        let e = e + a * ((x - first) * STEPS);
+                        (across * i32x8::splat(simd, a) + along * i32x8::splat(simd, b)) + i32x8::splat(simd, e)
+                    },
                 );
-                for vector in 0..Self::VECTORS {
-                    let at = kernel(
-                        #[inline(always)]
-                        |k: usize| lanes[vector][k] + i32x8::splat(simd, e[k]),
-                    );
-                    let inside = (at(0) | at(1) | at(2)).simd_ge(i32x8::splat(simd, 0));
+                let step = kernel(
+                    #[inline(always)]
+                    |at: &mut [i32x8<S>; 3]| (0..3).for_each(|k| at[k] += down[k]),
+                );
+                let mut y = y0;
+                while y <= y1 && !inside(&at).any_true() {
+                    step(&mut at);
+                    y += 1;
+                }
+                if y > y1 {
+                    continue;
+                }
+                let plane = plane.get_or_insert_with(
+                    #[inline(always)]
+                    || Plane::new(r),
+                );
+                let across = self.across(plane, x, vector);
+                while y <= y1 {
+                    let inside = inside(&at);
                     if inside.any_true() {
-                        let plane = plane.get_or_insert_with(
-                            #[inline(always)]
-                            || Plane::new(r),
-                        );
-                        self.write(r.id, plane, x, y, vector, inside);
+                        let z = self.down(plane, across, y, vector);
+                        self.write(r.id, z, [x, y], vector, inside);
                     }
+                    step(&mut at);
+                    y += 1;
                 }
-                x += Self::GROUP;
-                if x > x1 {
-                    break;
-                }
-                // The last group may overlap the one before: what is drawn twice does not pass the depth test again.
-                x = x.min(SIDE - Self::GROUP);
             }
-            for k in 0..3 {
-                e_row[k] += edges[k].2 * STEPS;
+            x += Self::GROUP;
+            if x > x1 {
+                break;
             }
+            // The last group may overlap the one before: what is drawn twice does not pass the depth test again.
+            x = x.min(SIDE - Self::GROUP);
         }
     }
 
-    /// Depth-tests and writes the samples `inside` of a vector. Returns the depths now there.
+    /// Depth-tests and writes the samples `inside` of a vector, at depths `z`. Returns the depths now there.
     #[inline(always)]
-    fn write(&mut self, id: u32, plane: &Plane, x: i32, y: i32, vector: usize, inside: mask32x8<S>) -> f32x8<S> {
+    fn write(&mut self, id: u32, z: f32x8<S>, [x, y]: [i32; 2], vector: usize, inside: mask32x8<S>) -> f32x8<S> {
         let simd = self.simd;
         let at = (y * SIDE + x) as usize * N + vector * LANES;
-        let z = self.depth(plane, x, y, vector);
         let old = f32x8::from_slice(simd, &self.depths[at..at + LANES]);
         let (bits, old_bits): (i32x8<S>, i32x8<S>) = (z.bitcast(), old.bitcast());
         let mut pass = inside & (bits + self.order.bias()).simd_gt(old_bits);
@@ -322,16 +325,26 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
         test(id, &places)
     }
 
-    /// Depths of a vector of samples; the one expression that all bounds rely on.
+    /// Depths of a vector of samples; the one expression that all bounds rely on, in two steps: what a column of vectors
+    /// shares comes first.
     #[inline(always)]
     fn depth(&self, plane: &Plane, x: i32, y: i32, vector: usize) -> f32x8<S> {
+        self.down(plane, self.across(plane, x, vector), y, vector)
+    }
+
+    /// How far depths differ from the first corner's, across.
+    #[inline(always)]
+    fn across(&self, plane: &Plane, x: i32, vector: usize) -> f32x8<S> {
+        let dx = f32x8::splat(self.simd, plane.distance_x(self.corner[0] + x * STEPS));
+        (self.distances[vector][0] + dx) * f32x8::splat(self.simd, plane.gx)
+    }
+
+    /// Depths from there on, down.
+    #[inline(always)]
+    fn down(&self, plane: &Plane, across: f32x8<S>, y: i32, vector: usize) -> f32x8<S> {
         let simd = self.simd;
-        let [ox, oy] = self.corner;
-        let [dx, dy] = plane.distance(ox + x * STEPS, oy + y * STEPS);
-        let [lane_x, lane_y] = self.distances[vector];
-        let (dx, dy) = (lane_x + f32x8::splat(simd, dx), lane_y + f32x8::splat(simd, dy));
-        let row = f32x8::splat(simd, plane.depth0) + f32x8::splat(simd, plane.gy) * dy;
-        let z = row + f32x8::splat(simd, plane.gx) * dx;
+        let dy = self.distances[vector][1] + f32x8::splat(simd, plane.distance_y(self.corner[1] + y * STEPS));
+        let z = (f32x8::splat(simd, plane.depth0) + f32x8::splat(simd, plane.gy) * dy) + across;
         let (lo, hi) = (f32x8::splat(simd, plane.min), f32x8::splat(simd, plane.max));
         let z = z.simd_gt(lo).select(z, lo);
         z.simd_lt(hi).select(z, hi)
@@ -447,7 +460,8 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
                     for y in by..by + BLOCK {
                         for x in (bx..bx + BLOCK).step_by(Self::GROUP as usize) {
                             for vector in 0..Self::VECTORS {
-                                let now = self.write(r.id, &plane, x, y, vector, all);
+                                let z = self.depth(&plane, x, y, vector);
+                                let now = self.write(r.id, z, [x, y], vector, all);
                                 farthest = now.simd_lt(farthest).select(now, farthest);
                             }
                         }
@@ -478,7 +492,8 @@ impl<'a, 'f, S: Simd, const N: usize> Pass<'a, 'f, S, N> {
                                 |k: usize| lanes[vector][k] + i32x8::splat(simd, at[k][group]),
                             );
                             let inside = (edge(0) | edge(1) | edge(2)).simd_ge(zero);
-                            self.write(r.id, &plane, x, y, vector, inside);
+                            let z = self.depth(&plane, x, y, vector);
+                            self.write(r.id, z, [x, y], vector, inside);
                         }
                     }
                 }
