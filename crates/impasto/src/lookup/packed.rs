@@ -8,7 +8,7 @@
 use crate::assets::{Filter, MinFilter, Wrap};
 use crate::lookup::footprint::{flat_level, squared_size};
 use crate::lookup::read::fold_vector;
-use crate::lookup::texture::{ImageTexture, Shape, Store};
+use crate::lookup::texture::{ImageTexture, Level, Shape, Store};
 use crate::math::{BATCH, Each, Lane, kernel};
 use crate::placement::TexCoords;
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, SimdMask, f32x8, i32x8, u16x16, u32x8, u64x4};
@@ -32,9 +32,6 @@ impl Packed {
     pub(super) const ZERO: Self =
         Self { at: [[0; BATCH]; 2], row: [[0; BATCH]; 2], weight: [[[0; BATCH]; 2]; 2], mix: [0; BATCH] };
 }
-
-/// Levels of the largest texture that is read this way: 2^16 texels along a side have 17; a power of two.
-const MAX_LEVELS: usize = 32;
 
 /// Whether a texture can be read this way: 8-bit linear, flat, all filters bilinear, one tap a level.
 pub(super) fn suits(texture: &ImageTexture) -> bool {
@@ -72,7 +69,7 @@ pub(super) fn read<S: Simd>(
 fn touch(texels: &[[u8; 4]], n: usize, levels: &[[u32; BATCH]]) {
     let mut sum = 0;
     for at in levels {
-        for i in (0..n.min(BATCH)).step_by(N / 2) {
+        for i in (0..n.min(BATCH)).step_by(N) {
             sum += texels[at[i] as usize][0] as u32;
         }
     }
@@ -86,15 +83,7 @@ fn address<S: Simd>(simd: S, texture: &ImageTexture, at: &TexCoords, n: usize, o
     let (zero, half, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 0.5), f32x8::splat(simd, 1.0));
     let rounds = texture.sampler.min == MinFilter::LinearMipmapNearest;
     let wrap = [texture.sampler.wrap[0], texture.sampler.wrap[1]];
-    let size = [texture.levels[0].size[0], texture.levels[0].size[1]].each(
-        #[inline(always)]
-        |n| f32x8::splat(simd, n as f32),
-    );
     let size2 = squared_size(simd, texture);
-    let mut offsets = [0; MAX_LEVELS];
-    for (offset, level) in offsets.iter_mut().zip(&texture.levels) {
-        *offset = level.offset as i32;
-    }
     let mut any = u32x8::splat(simd, 0);
     for i in (0..n).step_by(N) {
         let level = flat_level(simd, size2, at, i);
@@ -116,24 +105,15 @@ fn address<S: Simd>(simd: S, texture: &ImageTexture, at: &TexCoords, n: usize, o
             |axis| fold_vector(simd, f32x8::from_slice(simd, &at.st[axis][i..i + N]), wrap[axis]),
         );
         for (l, level) in [fine, coarse].into_iter().enumerate() {
-            // 2^-level as a float's bits.
-            let bits: u32x8<S> = ((i32x8::splat(simd, 127) - level) << 23).bitcast();
-            let shrink = f32x8::from_bits(bits);
-            let n_texels = size.each(
-                #[inline(always)]
-                |size| {
-                    let n: i32x8<S> = (size * shrink).to_int();
-                    n.simd_gt(1).select(n, i32x8::splat(simd, 1))
-                },
-            );
+            let grid = Grid::of(simd, &texture.levels, level);
             let mut places = [level; 2];
             for axis in 0..2 {
-                let fixed: i32x8<S> = (st[axis] * n_texels[axis].to_float::<f32x8<S>>() * 256.0).to_int();
+                let fixed: i32x8<S> = (st[axis] * grid.size[axis].to_float::<f32x8<S>>() * 256.0).to_int();
                 let fixed = fixed - 128;
                 let fixed = match wrap[axis] {
-                    Wrap::Repeat => fixed.simd_lt(0).select(fixed + (n_texels[axis] << 8), fixed),
+                    Wrap::Repeat => fixed.simd_lt(0).select(fixed + (grid.size[axis] << 8), fixed),
                     _ => {
-                        let end = (n_texels[axis] - 1) << 8;
+                        let end = (grid.size[axis] - 1) << 8;
                         let fixed = fixed.simd_gt(0).select(fixed, i32x8::splat(simd, 0));
                         fixed.simd_lt(end).select(fixed, end)
                     }
@@ -141,26 +121,54 @@ fn address<S: Simd>(simd: S, texture: &ImageTexture, at: &TexCoords, n: usize, o
                 places[axis] = fixed >> 8;
                 store(twice(fixed & 255), &mut out.weight[l][axis], i);
             }
-            // Rows are padded by a texel.
-            let row = n_texels[0] + 1;
-            store((of_level(simd, &offsets, level) + places[1] * row + places[0]).bitcast(), &mut out.at[l], i);
-            store(row.bitcast(), &mut out.row[l], i);
+            let at = grid.offset + places[1] * grid.row + places[0];
+            store(at.bitcast(), &mut out.at[l], i);
+            store(grid.row.bitcast(), &mut out.row[l], i);
         }
     }
     any.simd_gt(0).any_true()
 }
 
-/// Offsets of eight points' levels; neighbours mostly share one.
-#[inline(always)]
-fn of_level<S: Simd>(simd: S, offsets: &[i32; MAX_LEVELS], level: i32x8<S>) -> i32x8<S> {
-    let first = level[0] as usize % MAX_LEVELS;
-    if level.simd_eq(i32x8::splat(simd, first as i32)).all_true() {
-        return i32x8::splat(simd, offsets[first]);
+/// The levels of eight points.
+struct Grid<S: Simd> {
+    /// Index of the first texel.
+    offset: i32x8<S>,
+    /// From a texel to the one below.
+    row: i32x8<S>,
+    /// Texels across and down.
+    size: [i32x8<S>; 2],
+}
+
+impl<S: Simd> Grid<S> {
+    /// Neighbours mostly share a level: it is then looked at once.
+    #[inline(always)]
+    fn of(simd: S, levels: &[Level], level: i32x8<S>) -> Self {
+        let numbers = kernel(
+            #[inline(always)]
+            |level: i32| {
+                let Level { offset, row, size, .. } = levels[level as usize];
+                [offset as i32, row as i32, size[0] as i32, size[1] as i32]
+            },
+        );
+        let first = level[0];
+        if level.simd_eq(i32x8::splat(simd, first)).all_true() {
+            let [offset, row, width, height] = numbers(first).each(
+                #[inline(always)]
+                |n| i32x8::splat(simd, n),
+            );
+            return Self { offset, row, size: [width, height] };
+        }
+        let mut of = [[0; N]; 4];
+        for lane in 0..N {
+            let numbers = numbers(level.as_slice()[lane]);
+            (0..4).for_each(|k| of[k][lane] = numbers[k]);
+        }
+        let [offset, row, width, height] = of.each(
+            #[inline(always)]
+            |lanes| i32x8::load_array(simd, lanes),
+        );
+        Self { offset, row, size: [width, height] }
     }
-    let level = level.as_slice();
-    let mut of = [0; N];
-    (0..N).for_each(|lane| of[lane] = offsets[level[lane] as usize % MAX_LEVELS]);
-    i32x8::load_array(simd, of)
 }
 
 /// A weight for each of a lane's two channels.
@@ -200,45 +208,70 @@ fn filter<S: Simd, const BLENDS: bool>(simd: S, texels: &[[u8; 4]], n: usize, sc
 
 #[inline(always)]
 fn bilinear<S: Simd>(simd: S, texels: &[[u8; 4]], scratch: &Packed, l: usize, i: usize) -> Halves<S> {
-    let (at, rows) = (&scratch.at[l][i..i + N], &scratch.row[l][i..i + N]);
     let across = weights(simd, &scratch.weight[l][0], i);
     let down = weights(simd, &scratch.weight[l][1], i);
-    let four = kernel(
+    let rows = squares(simd, texels, &scratch.at[l][i..i + N], &scratch.row[l][i..i + N]);
+    let [upper, lower] = rows.each(
         #[inline(always)]
-        |k: usize| -> [u32x8<S>; 2] {
-            let square = kernel(
-                #[inline(always)]
-                |k: usize| square(texels, at[k] as usize, rows[k] as usize),
-            );
-            let (a, b, c, d) = (square(k), square(k + 1), square(k + 2), square(k + 3));
-            [0, 1].each(
-                #[inline(always)]
-                |row: usize| u64x4::load_array(simd, [a[row], b[row], c[row], d[row]]).bitcast(),
-            )
-        },
-    );
-    let (first, second) = (four(0), four(4));
-    let [upper, lower] = [0, 1].each(
-        #[inline(always)]
-        |row: usize| {
-            let (left, right) = (first[row].unzip_low(second[row]), first[row].unzip_high(second[row]));
+        |[first, second]| {
+            let (left, right) = (first.unzip_low(second), first.unzip_high(second));
             lerp(halves(left), halves(right), across)
         },
     );
     lerp(upper, lower, down)
 }
 
-/// A texel with its right neighbour, and the pair below.
+/// Of eight points the texels with their right neighbours, and those below: four points in each vector.
 #[inline(always)]
-fn square(texels: &[[u8; 4]], at: usize, row: usize) -> [u64; 2] {
-    let rows = &texels[at..at + row + 2];
-    [0, row].each(
+fn squares<S: Simd>(simd: S, texels: &[[u8; 4]], at: &[u32], rows: &[u32]) -> [[u32x8<S>; 2]; 2] {
+    let row = rows[0];
+    if !u32x8::from_slice(simd, rows).simd_eq(row).all_true() {
+        return scattered(texels, at, rows).each(
+            #[inline(always)]
+            |row| {
+                row.each(
+                    #[inline(always)]
+                    |four| u64x4::load_array(simd, four).bitcast(),
+                )
+            },
+        );
+    }
+    // In one level: what is below stands as far on for all. So one check of bounds serves both rows.
+    let lower = &texels[row as usize..];
+    [&texels[..lower.len()], lower].each(
         #[inline(always)]
-        |at| {
-            let [[a, b, c, d], [e, f, g, h]]: [[u8; 4]; 2] = *rows[at..at + 2].as_array().expect("two texels");
-            u64::from_le_bytes([a, b, c, d, e, f, g, h])
+        |texels| {
+            [0, 4].each(
+                #[inline(always)]
+                |k: usize| {
+                    let four = [at[k], at[k + 1], at[k + 2], at[k + 3]].each(
+                        #[inline(always)]
+                        |at| pair(texels, at as usize),
+                    );
+                    u64x4::load_array(simd, four).bitcast()
+                },
+            )
         },
     )
+}
+
+/// The same across levels. A call on purpose: what is rare shall not take registers from what is not.
+#[inline(never)]
+fn scattered(texels: &[[u8; 4]], at: &[u32], rows: &[u32]) -> [[[u64; 4]; 2]; 2] {
+    let mut out = [[[0; 4]; 2]; 2];
+    for k in 0..N {
+        let at = at[k] as usize;
+        out[0][k / 4][k % 4] = pair(texels, at);
+        out[1][k / 4][k % 4] = pair(texels, at + rows[k] as usize);
+    }
+    out
+}
+
+/// A texel and its right neighbour.
+#[inline(always)]
+fn pair(texels: &[[u8; 4]], at: usize) -> u64 {
+    let [[a, b, c, d], [e, f, g, h]]: [[u8; 4]; 2] = *texels[at..at + 2].as_array().expect("two texels");
+    u64::from_le_bytes([a, b, c, d, e, f, g, h])
 }
 
 #[inline(always)]
