@@ -104,8 +104,15 @@ impl Develop {
             );
             let mut pixels = [[0; 4]; WIDEST];
             self.store8(simd, &encoder, (color, splat(simd, 1.0)), threshold, &mut pixels[..width::<S>()]);
-            for i in 0..width::<S>().min(n - at) {
-                tile[cells[i] as usize % (TILE * TILE)] = u32::from_le_bytes(pixels[i]);
+            let n = n - at;
+            let put = kernel(
+                #[inline(always)]
+                |i: usize| tile[cells[i] as usize % (TILE * TILE)] = u32::from_le_bytes(pixels[i]),
+            );
+            // Whole registers without a question for each cell.
+            match n < width::<S>() {
+                true => (0..n).for_each(put),
+                false => (0..width::<S>()).for_each(put),
             }
         }
     }
