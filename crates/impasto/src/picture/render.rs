@@ -220,7 +220,7 @@ struct Room {
     tile: Tile,
     batch: Batch,
     alpha: Option<Box<Batch>>,
-    stretches: Stretches,
+    stretches: Option<Box<Stretches>>,
     /// By look.
     waiting: Vec<Waiting>,
     /// Premultiplied linear light of the tile's cells.

@@ -1,8 +1,10 @@
 //! Stretches of a tile's rows, put in order by the triangle that shows in them: what is the same all over a triangle is
 //! then worked out once, and its cells fill whole vectors.
 
+use crate::visibility::{Hit, TILE};
+
 /// Cells of a row that show one triangle.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Stretch {
     cell: u16,
     n: u16,
@@ -17,6 +19,10 @@ struct Chain {
     of: Of,
 }
 
+impl Chain {
+    const NONE: Self = Self { triangle: Hit::NOTHING, of: Of { first: 0, last: 0 } };
+}
+
 /// Where a triangle's stretches are.
 #[derive(Clone, Copy)]
 pub(super) struct Of {
@@ -24,47 +30,53 @@ pub(super) struct Of {
     last: u16,
 }
 
+/// A power of two, so that a remainder keeps any index within.
+const CELLS: usize = TILE * TILE;
+
 /// The stretches of a tile. No more than it has cells.
 pub(super) struct Stretches {
-    stretches: Vec<Stretch>,
-    chains: Vec<Chain>,
-    /// Which chain, plus one, a triangle with these last bits had. Another one's makes for a second chain, nothing worse.
+    n: usize,
+    stretches: [Stretch; CELLS],
+    n_chains: usize,
+    chains: [Chain; CELLS],
+    /// The chain that a triangle with these last bits had. Another one's makes for a second chain, nothing worse.
     seen: [u16; 256],
 }
 
 impl Default for Stretches {
     fn default() -> Self {
-        Self { stretches: Vec::new(), chains: Vec::new(), seen: [0; 256] }
+        Self { n: 0, stretches: [Stretch::default(); CELLS], n_chains: 0, chains: [Chain::NONE; CELLS], seen: [0; 256] }
     }
 }
 
 impl Stretches {
     pub(super) fn clear(&mut self) {
-        self.stretches.clear();
-        self.chains.clear();
+        (self.n, self.n_chains) = (0, 0);
+        // What has not been seen has the first chain, whoever that is.
+        self.chains[0] = Chain::NONE;
         self.seen.fill(0);
     }
 
     #[inline(always)]
     pub(super) fn push(&mut self, triangle: u32, cell: usize, n: usize) {
-        let new = self.stretches.len() as u16;
-        self.stretches.push(Stretch { cell: cell as u16, n: n as u16, next: new });
+        let new = self.n as u16;
+        self.stretches[self.n % CELLS] = Stretch { cell: cell as u16, n: n as u16, next: new };
+        self.n += 1;
         let seen = &mut self.seen[triangle as usize % 256];
-        match self.chains.get_mut((*seen as usize).wrapping_sub(1)) {
-            Some(chain) if chain.triangle == triangle => {
-                self.stretches[chain.of.last as usize].next = new;
-                chain.of.last = new;
-            }
-            _ => {
-                self.chains.push(Chain { triangle, of: Of { first: new, last: new } });
-                *seen = self.chains.len() as u16;
-            }
+        let chain = &mut self.chains[*seen as usize % CELLS];
+        if chain.triangle == triangle {
+            self.stretches[chain.of.last as usize % CELLS].next = new;
+            chain.of.last = new;
+        } else {
+            *seen = self.n_chains as u16;
+            self.chains[self.n_chains % CELLS] = Chain { triangle, of: Of { first: new, last: new } };
+            self.n_chains += 1;
         }
     }
 
     /// The triangles that show, and where to find their stretches; one may come again.
     pub(super) fn triangles(&self) -> impl Iterator<Item = (u32, Of)> {
-        self.chains.iter().map(|chain| (chain.triangle, chain.of))
+        self.chains[..self.n_chains].iter().map(|chain| (chain.triangle, chain.of))
     }
 
     /// Calls `take(first cell, cells)` for a triangle's stretches.
@@ -72,7 +84,7 @@ impl Stretches {
     pub(super) fn each(&self, of: Of, mut take: impl FnMut(usize, usize)) {
         let mut at = of.first;
         loop {
-            let Stretch { cell, n, next } = self.stretches[at as usize];
+            let Stretch { cell, n, next } = self.stretches[at as usize % CELLS];
             take(cell as usize, n as usize);
             if at == of.last {
                 break;

@@ -16,7 +16,7 @@ impl Shader<'_> {
         let mut parts = PartCursor::new(self.domain.mesh, self.shot.looks);
         // Where several looks meet in a cell, the order in which they are added shows in the last bits: it stays.
         let sorts = N == 1 || parts.has_one_look();
-        let mut stretches = std::mem::take(&mut self.room.stretches);
+        let mut stretches = self.room.stretches.take().unwrap_or_default();
         stretches.clear();
         let columns = u32x8::from_fn(simd, |i| i as u32);
         let nothing = u32x8::splat(simd, Hit::NOTHING);
@@ -72,18 +72,21 @@ impl Shader<'_> {
                         self.flush(tile, look);
                     }
                     let waiting = &mut self.room.waiting[look];
-                    for k in (0..n).step_by(LANES) {
-                        let at = waiting.n + k;
-                        let cells = columns + u32x8::splat(simd, (cell + k) as u32);
-                        cells.store_slice(&mut waiting.cell[at..at + LANES]);
-                        u32x8::splat(simd, triangle).store_slice(&mut waiting.triangle[at..at + LANES]);
-                        u32x8::splat(simd, (1 << N) - 1).store_slice(&mut waiting.samples[at..at + LANES]);
+                    let (mut at, end) = (waiting.n, waiting.n + n);
+                    let mut cells = columns + u32x8::splat(simd, cell as u32);
+                    while at < end {
+                        let lanes = at..at + LANES;
+                        cells.store_slice(&mut waiting.cell[lanes.clone()]);
+                        u32x8::splat(simd, triangle).store_slice(&mut waiting.triangle[lanes.clone()]);
+                        u32x8::splat(simd, (1 << N) - 1).store_slice(&mut waiting.samples[lanes]);
+                        cells += LANES as u32;
+                        at += LANES;
                     }
-                    waiting.n += n;
+                    waiting.n = end;
                 },
             );
         }
-        self.room.stretches = stretches;
+        self.room.stretches = Some(stretches);
     }
 
     /// The distinct triangles among one cell's samples.
