@@ -64,13 +64,24 @@ impl Workers {
         scratch: impl Fn() -> S + Sync,
         work: impl Fn(&mut S, usize, &mut T) + Sync,
     ) {
+        self.consume(items.iter_mut(), scratch, work);
+    }
+
+    /// The same for items that are only made when somebody is free to work on them.
+    pub fn consume<T: Send, S>(
+        &self,
+        items: impl Iterator<Item = T> + Send,
+        scratch: impl Fn() -> S + Sync,
+        work: impl Fn(&mut S, usize, T) + Sync,
+    ) {
+        let items = items.enumerate();
         let Some(pool) = &self.pool else {
             let mut s = scratch();
-            items.iter_mut().enumerate().for_each(|(i, item)| work(&mut s, i, item));
+            items.for_each(|(i, item)| work(&mut s, i, item));
             return;
         };
         // Whoever is free takes the next item; which thread works on it does not show.
-        let queue = Mutex::new(items.iter_mut().enumerate());
+        let queue = Mutex::new(items);
         pool.broadcast(|_| {
             let mut s = scratch();
             loop {
@@ -117,6 +128,18 @@ mod tests {
             let mut items = vec![0usize; 777];
             workers.for_each(&mut items, |i, item| *item = i);
             assert!(items.iter().enumerate().all(|(i, item)| i == *item));
+        }
+    }
+
+    #[test]
+    fn every_item_is_made_and_consumed_once() {
+        for n_threads in [1, 2, 5] {
+            let seen = Mutex::new(Vec::new());
+            let items = (0..777).map(|i| i * 3);
+            Workers::new(n_threads).consume(items, || (), |_, index, item| seen.lock().unwrap().push((index, item)));
+            let mut seen = seen.into_inner().unwrap();
+            seen.sort_unstable();
+            assert!(seen.into_iter().eq((0..777).map(|i| (i, i * 3))));
         }
     }
 }

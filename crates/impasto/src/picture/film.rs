@@ -21,27 +21,35 @@ const LANES: usize = 8;
 impl<'a> Film<'a> {
     /// For a picture of `size`.
     pub fn new(develop: &'a Develop, background: &Background, size: Size, workers: &'a Workers) -> Self {
+        let mut last: Option<(Option<LinearRgb>, [u8; 4])> = None;
         let row = |y| {
-            let (under, mut pixel) = (background.row(y, size), [[0; 4]]);
-            super::develop_row(develop, workers, &[[0.0; 4]], under, y, &mut pixel);
-            (under, pixel[0])
+            let under = background.row(y, size);
+            // Rows alike have one pixel, but for the dither pattern.
+            let row = last.filter(|last| last.0 == under && !develop.dither).unwrap_or_else(|| {
+                let mut pixel = [[0; 4]];
+                super::develop_row(develop, workers, &[[0.0; 4]], under, y, &mut pixel);
+                (under, pixel[0])
+            });
+            last = Some(row);
+            row
         };
         Self { develop, workers, rows: (0..size.height).map(row).collect() }
     }
 
     /// Pixels of a run of cells in row `y`.
     pub fn row(&self, y: u32, cells: Cells, out: &mut [[u8; 4]]) {
+        let Cells { light, is_dark, developed } = cells;
         let (under, nothing) = self.rows[y as usize];
-        dispatch!(self.workers.level(), simd => {
-            if !cells.is_dark || self.develop.dither {
-                self.develop.rgba8(simd, cells.light, under, y, out);
-                lay_over(simd, cells.developed, None, out);
-            } else if cells.developed.is_empty() {
-                out.fill(nothing);
-            } else {
-                lay_over(simd, cells.developed, Some(nothing), out);
-            }
-        });
+        if !is_dark || self.develop.dither {
+            dispatch!(self.workers.level(), simd => {
+                self.develop.rgba8(simd, light, under, y, out);
+                lay_over(simd, developed, None, out);
+            });
+        } else if developed.is_empty() {
+            out.fill(nothing);
+        } else {
+            dispatch!(self.workers.level(), simd => lay_over(simd, developed, Some(nothing), out));
+        }
     }
 }
 

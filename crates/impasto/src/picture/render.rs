@@ -18,7 +18,9 @@ use crate::visibility::{
 use fearless_simd::{Simd, dispatch};
 use gather::PartCursor;
 use std::ops::{Deref, DerefMut};
+use std::slice::ChunksMut;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 mod gather;
 mod still;
@@ -46,7 +48,8 @@ pub struct Cells<'a> {
     pub light: &'a [LinearRgba],
     /// There is no light at all.
     pub is_dark: bool,
-    /// Pixels of opaque cells that one surface fills, their four bytes; 0 for all others. Empty unless asked for.
+    /// Pixels of opaque cells that one surface fills, their four bytes; 0 for all others. Empty where there are none, or
+    /// none were asked for.
     pub developed: &'a [u32],
 }
 
@@ -140,39 +143,58 @@ impl Renderer {
         shade: impl Fn(usize, &mut Shader) + Sync,
     ) -> Shortfall {
         assert_eq!(picture.len(), domain.size.n_cells(), "the picture has one entry a cell");
-        let [n_x, n_y] = visibility::tile::n_tiles(domain.size);
-        let mut jobs: Vec<Job<T>> =
-            (0..n_x * n_y).map(|_| Job { rows: Vec::with_capacity(TILE), truncated: false }).collect();
-        for (y, row) in picture.chunks_mut(domain.size.width.max(1) as usize).enumerate() {
-            for (x, run) in row.chunks_mut(TILE).enumerate() {
-                jobs[y / TILE * n_x + x].rows.push(run);
-            }
-        }
-        workers.for_each_with(
-            &mut jobs,
+        let [n_x, _] = visibility::tile::n_tiles(domain.size);
+        let n_truncated_tiles = AtomicUsize::new(0);
+        workers.consume(
+            TileRows::new(picture, domain.size.width),
             || Shader::new(domain, shot, workers, &self.rooms),
-            |shader, index, job| {
-                job.rows.iter().for_each(|row| fetch(row));
+            |shader, index, mut rows| {
                 shade(index, shader);
-                job.truncated = shader.truncated;
+                n_truncated_tiles.fetch_add(shader.truncated as usize, Ordering::Relaxed);
                 let (x, y) = ((index % n_x * TILE) as u32, (index / n_x * TILE) as u32);
-                for (i, row) in job.rows.iter_mut().enumerate() {
-                    let Room { light, is_dark, developed, .. } = &*shader.room;
+                let Room { light, is_dark, developed, is_blank, .. } = &*shader.room;
+                for (i, row) in rows.iter_mut().enumerate() {
                     let light = &light[i * TILE..][..row.len()];
-                    let developed = if shot.develop.is_some() { &developed[i * TILE..][..row.len()] } else { &[] };
+                    let developed = if *is_blank { &[] } else { &developed[i * TILE..][..row.len()] };
                     finish([x, y + i as u32], Cells { light, is_dark: *is_dark, developed }, row);
                 }
             },
         );
-        Shortfall { n_truncated_tiles: jobs.iter().filter(|j| j.truncated).count() }
+        Shortfall { n_truncated_tiles: n_truncated_tiles.into_inner() }
     }
 }
 
-/// Brings a row into the cache: loads wait for memory side by side, the stores that come later one after the other.
-fn fetch<T: Copy>(row: &[T]) {
-    const LINE: usize = 64;
-    for entry in row.iter().step_by((LINE / size_of::<T>().max(1)).max(1)) {
-        std::hint::black_box(*entry);
+/// A picture cut into the rows of its tiles, tile after tile.
+struct TileRows<'a, T> {
+    /// Bands as high as a tile.
+    bands: ChunksMut<'a, T>,
+    width: usize,
+    /// What is left of a band's rows.
+    rows: Vec<&'a mut [T]>,
+}
+
+impl<'a, T> TileRows<'a, T> {
+    fn new(picture: &'a mut [T], width: u32) -> Self {
+        let width = (width as usize).max(1);
+        Self { bands: picture.chunks_mut(width * TILE), width, rows: Vec::new() }
+    }
+}
+
+impl<'a, T> Iterator for TileRows<'a, T> {
+    type Item = Vec<&'a mut [T]>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rows.first().is_none_or(|row| row.is_empty()) {
+            self.rows.clear();
+            self.rows.extend(self.bands.next()?.chunks_mut(self.width));
+        }
+        let cut = |row: &mut &'a mut [T]| {
+            let n = row.len().min(TILE);
+            let (run, rest) = std::mem::take(row).split_at_mut(n);
+            *row = rest;
+            run
+        };
+        Some(self.rows.iter_mut().map(cut).collect())
     }
 }
 
@@ -183,12 +205,6 @@ pub fn info_buffer(domain: &Domain, shot: &Shot, workers: &Workers) -> InfoBuffe
         Box::new(move |id, places| alpha_test((domain, shot, workers), &mut room, id, places))
     };
     InfoBuffer::build(domain, &draws(domain.mesh, shot.looks), shot.samples, Some(&test), workers)
-}
-
-/// Rows of one tile in the picture.
-struct Job<'a, T> {
-    rows: Vec<&'a mut [T]>,
-    truncated: bool,
 }
 
 /// Surfaces of one look that wait for a full batch: in which cell of the tile they show, in which of its samples (bits).
