@@ -147,6 +147,24 @@ pub struct Material {
     pub clearcoat: Clearcoat,
 }
 
+impl Material {
+    /// Every place where it may name a texture.
+    pub fn texture_slots_mut(&mut self) -> [&mut Option<TextureRef>; 10] {
+        [
+            &mut self.base_color_texture,
+            &mut self.metal_rough_texture,
+            &mut self.normal_texture,
+            &mut self.bump_texture,
+            &mut self.occlusion_texture,
+            &mut self.emission_texture,
+            &mut self.alpha_texture,
+            &mut self.clearcoat.strength_texture,
+            &mut self.clearcoat.roughness_texture,
+            &mut self.clearcoat.normal_texture,
+        ]
+    }
+}
+
 /// A thin transparent layer over a material (KHR_materials_clearcoat).
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Clearcoat {

@@ -5,6 +5,7 @@
 
 mod atlas;
 pub mod bench;
+pub mod body;
 pub mod chameleon;
 pub mod cortex;
 mod curve;
@@ -19,11 +20,12 @@ pub mod texture;
 mod tube;
 
 use crate::assets::{Material, Mesh, Scene, TextureImage, TextureRef, UvTransform};
+use crate::color::linear_from_bytes;
 use crate::math::Size;
 use texture::{charts, materials, normal_map};
 
 /// What [`scene`] can make: name, and one sentence.
-pub const NAMES: [(&str, &str); 18] = [
+pub const NAMES: [(&str, &str); 25] = [
     ("chameleon", "Impasto's mascot on its twig: painted skin, five parts, two data fields."),
     ("knot", "A torus knot in relief scales, one closed tube without a twist in its texture."),
     ("terrain", "Ten kilometres of mountains with snow and meadows, elevation and slope as data."),
@@ -37,6 +39,13 @@ pub const NAMES: [(&str, &str); 18] = [
     ("cube", "A cube of bricks with relief."),
     ("cylinder", "A closed cylinder of wood."),
     ("cone", "A closed striped cone."),
+    ("loaf", "Tin bread, to be cut."),
+    ("log", "A length of trunk in its bark, to be cut."),
+    ("fruit", "A citrus fruit, to be cut."),
+    ("pomegranate", "A pomegranate with its crown, to be cut."),
+    ("bone", "A long bone with two heads, to be cut."),
+    ("nodule", "A rounded stone, to be cut."),
+    ("block", "A block with rounded edges, to be cut."),
     ("sphere10k", "Speed test A: a waved sphere of ten thousand triangles."),
     ("sphere100k", "Speed test A: a waved sphere of a hundred thousand triangles."),
     ("sphere1m", "Speed test A: a waved sphere of a million triangles."),
@@ -88,6 +97,13 @@ pub fn scene(name: &str, resolution: u32, seed: u32) -> Option<Scene> {
             dressed(name, plain::cylinder(n, n / 4), Dress { color, relief: None, repeat: [2.0; 2] })
         }
         "cone" => dressed(name, plain::cone(n, n / 4), Dress::once(charts::stripes(size, 32))),
+        "loaf" => plain_body(name, body::loaf(n), "#8a4a16", 0.75),
+        "log" => plain_body(name, body::log(n), "#5b4430", 0.95),
+        "fruit" => plain_body(name, body::fruit(n), "#ef8a1a", 0.5),
+        "pomegranate" => plain_body(name, body::pomegranate(n), "#a3202f", 0.45),
+        "bone" => plain_body(name, body::bone(n), "#eee4cd", 0.6),
+        "nodule" => plain_body(name, body::nodule(n, seed), "#9b958c", 0.9),
+        "block" => plain_body(name, body::block(n / 4), "#b3b0aa", 0.85),
         // The speed tests call it terrain, too.
         "hills" => bench_scene("terrain")?,
         name => bench_scene(name)?,
@@ -113,6 +129,17 @@ impl Dress {
     fn once(color: TextureImage) -> Self {
         Self { color, relief: None, repeat: [1.0; 2] }
     }
+}
+
+/// A mesh of one colour, written as sRGB.
+fn plain_body(name: &str, mesh: Mesh, color: &str, roughness: f32) -> Scene {
+    let byte = |k: usize| u8::from_str_radix(&color[k..k + 2], 16).expect("a colour is #rrggbb");
+    let [r, g, b] = linear_from_bytes([byte(1), byte(3), byte(5)]);
+    let material = Material { name: name.into(), base_color: [r, g, b, 1.0], roughness, ..Material::default() };
+    let mut raw = mesh.into_raw();
+    raw.parts.clear();
+    sheet::part(&mut raw, name, Some(0));
+    Scene { materials: vec![material], ..Scene::of(name, raw.mend().value) }
 }
 
 /// A mesh of one material.

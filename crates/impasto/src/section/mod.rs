@@ -7,6 +7,9 @@ pub mod surface;
 pub mod curved;
 pub mod grain;
 pub mod cut;
+pub mod maps;
+pub mod shader;
+pub mod svg;
 
 pub use curved::{Rough, Stroke};
 pub use surface::{CutSurface, Plane, Sheet};

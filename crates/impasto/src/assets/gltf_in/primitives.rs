@@ -6,7 +6,7 @@ use super::json::{Fault, Json};
 use super::looks::Looks;
 use super::nodes::{Instance, weights};
 use crate::assets::numbers::Kind;
-use crate::assets::{Element, Field, Material, Part, RawMesh, TextureRef, UvSet, Values};
+use crate::assets::{Element, Field, Material, Part, RawMesh, UvSet, Values};
 use crate::math::{DVec3, Frame, Vec2, Vec3, Vec4, unit_or, vec2, vec3, vec4};
 use glam::{DMat3, DMat4};
 
@@ -349,7 +349,7 @@ impl<'a> Shape<'a> {
                 }
             };
             let n_uv_sets = self.raw.uv_sets.len() as u32;
-            for slot in textures_mut(&mut material) {
+            for slot in material.texture_slots_mut() {
                 if slot.is_some_and(|t| t.uv_set >= n_uv_sets) {
                     *slot = None;
                     notes.add("textures left out whose coordinates the file lacks", format!("materials[{i}]"));
@@ -709,18 +709,4 @@ fn extend(field: &mut Field, n: usize, new: Option<Values>) {
             *values = Values::F64(all);
         }
     }
-}
-
-/// Every place where a material may name a texture.
-fn textures_mut(m: &mut Material) -> [&mut Option<TextureRef>; 8] {
-    [
-        &mut m.base_color_texture,
-        &mut m.metal_rough_texture,
-        &mut m.normal_texture,
-        &mut m.occlusion_texture,
-        &mut m.emission_texture,
-        &mut m.clearcoat.strength_texture,
-        &mut m.clearcoat.roughness_texture,
-        &mut m.clearcoat.normal_texture,
-    ]
 }

@@ -4,7 +4,10 @@
 //! of a cap ask it.
 
 use super::Soup;
-use crate::math::{DVec3, Vec3};
+use crate::math::{DVec3, Vec3, exact};
+use crate::par::Workers;
+use crate::section::Plane;
+use crate::section::grain::Window;
 
 /// A surface that can be asked for distances.
 #[derive(Clone, Debug)]
@@ -97,6 +100,63 @@ impl Skin {
     }
 }
 
+/// Depths near a plane, sampled once: between samples they are mixed linearly.
+#[derive(Clone, Debug)]
+pub struct Depths {
+    /// Where the first sample lies, and the axes of the grid, unit vectors.
+    origin: DVec3,
+    axes: [DVec3; 3],
+    pitch: f64,
+    /// Samples along each axis.
+    n: [usize; 3],
+    values: Vec<f32>,
+}
+
+impl Skin {
+    /// Depths of a part of a plane and of what lies up to `reach` off it, model units, sampled `pitch` apart.
+    pub fn near_plane(&self, plane: &Plane, window: &Window, reach: f64, pitch: f64, workers: &Workers) -> Depths {
+        let axes = [window.axes[0], window.axes[1], plane.normal];
+        let (min, max) = (window.min.as_dvec2() - reach, window.max.as_dvec2() + reach);
+        // At most a million samples, coarser if need be.
+        const MOST: f64 = 1e6;
+        let room = (max.x - min.x) * (max.y - min.y) * 2.0 * reach;
+        let pitch = pitch.max(exact::pow((room / MOST).max(0.0), 1.0 / 3.0));
+        let n = [max.x - min.x, max.y - min.y, 2.0 * reach].map(|length| (length / pitch).ceil().max(1.0) as usize + 1);
+        let origin = window.origin + axes[0] * min.x + axes[1] * min.y - axes[2] * reach;
+        let at = |i: usize| {
+            let [x, y, z] = [i % n[0], i / n[0] % n[1], i / n[0] / n[1]].map(|k| k as f64 * pitch);
+            origin + axes[0] * x + axes[1] * y + axes[2] * z
+        };
+        let rows = workers
+            .map(n[1] * n[2], |row| (0..n[0]).map(|x| self.distance(at(row * n[0] + x)) as f32).collect::<Vec<_>>());
+        Depths { origin, axes, pitch, n, values: rows.concat() }
+    }
+}
+
+impl Depths {
+    /// The depth of a point, model units; none outside of what was sampled.
+    pub fn at(&self, p: DVec3) -> Option<f32> {
+        let from = (p - self.origin) / self.pitch;
+        let mut cell = [0; 3];
+        let mut share = [0.0f32; 3];
+        for k in 0..3 {
+            let x = from.dot(self.axes[k]);
+            if !(x >= 0.0 && x <= (self.n[k] - 1) as f64) {
+                return None;
+            }
+            cell[k] = (x as usize).min(self.n[k] - 2);
+            share[k] = (x - cell[k] as f64) as f32;
+        }
+        let value = |i: usize, j: usize, k: usize| {
+            self.values[((cell[2] + k) * self.n[1] + cell[1] + j) * self.n[0] + cell[0] + i]
+        };
+        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        let along = |j, k| mix(value(0, j, k), value(1, j, k), share[0]);
+        let across = |k| mix(along(0, k), along(1, k), share[1]);
+        Some(mix(across(0), across(1), share[2]))
+    }
+}
+
 impl Box3 {
     fn distance_squared(&self, p: DVec3) -> f64 {
         (p - p.clamp(self.min.as_dvec3(), self.max.as_dvec3())).length_squared()
@@ -137,6 +197,16 @@ mod tests {
             let slow = all.fold(f64::INFINITY, f64::min).sqrt();
             assert_eq!(skin.distance(q), slow);
         }
+        let plane = Plane::through(crate::math::vec3(0.1, 0.2, 0.0), crate::math::vec3(1.0, 2.0, 3.0)).unwrap();
+        let window = Window::around(&plane, DVec3::ZERO, crate::math::vec2(1.0, 1.0));
+        let depths = skin.near_plane(&plane, &window, 0.2, 0.05, &Workers::new(2));
+        for i in 0..200 {
+            let r = |k| unit_float(hash_cell(i, k, 1, 2)) as f64 * 2.0 - 1.0;
+            let p = window.origin + window.axes[0] * r(0) + window.axes[1] * r(1) + plane.normal * (0.2 * r(2));
+            // Distances change no faster than the way.
+            assert!((depths.at(p).unwrap() as f64 - skin.distance(p)).abs() < 0.05 * 0.87);
+        }
+        assert!(depths.at(DVec3::splat(9.0)).is_none());
         assert!(Skin::of(&crate::assets::Mesh::default()).distance(DVec3::ZERO).is_infinite());
     }
 }

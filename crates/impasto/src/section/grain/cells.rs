@@ -10,12 +10,15 @@ use super::check::{positive, within};
 use super::eval::{Candidate, Hit, HitKind, Look, SectionKind, Side};
 use super::openness::form_factor;
 use super::particle::{add, for_cells};
-use super::shape::N_OPENING;
-use super::spec::{Chance, LatticeAxes, parameter};
+use super::shape::{Gap, N_OPENING};
+use super::soft::Soft;
+use super::spec::{Chance, LatticeAxes};
 use super::{lattice_rotation, place_of};
 use crate::Result;
-use crate::math::{DMat3, DVec3, Frame, Vec3, exact, vec3};
+use crate::math::{DMat3, DVec3, Frame, Vec3, exact, hash_cell, vec3};
 use crate::section::CutSurface;
+use std::cell::RefCell;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Cells as a person describes them.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,34 +37,65 @@ pub struct CellsSpec {
     pub lattice: LatticeAxes,
     /// Depth and width of a solid cut's bevel, in spacings; at most half a wall.
     pub bevel: f32,
+    /// Radius of the cells' rounded edges and corners, model units; 0 is sharp. Rounded cells without walls are torn one by
+    /// one, not along the borders of whole heaps.
+    pub rounding: f32,
+    /// Which part of the cells is there; the others are matrix.
+    pub share: f32,
+    /// A ball in each cell, smaller than most.
+    pub nucleus: Option<Nucleus>,
     /// Another seed, other cells.
     pub seed: u32,
+}
+
+/// The nucleus of a cell. Hollow, cells show the nuclei whose centre they hold, lying in them; solid, they are cut; torn,
+/// they stay in their cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nucleus {
+    /// Its radius, model units.
+    pub radius: f32,
+    /// How far it may be from the cell's seed, model units.
+    pub offset: f32,
 }
 
 impl CellsSpec {
     /// Voronoi cells.
     pub fn of(spacing: f32, wall: f32) -> Self {
         let lattice = LatticeAxes::Turned;
-        Self { spacing, jitter: 0.4, weight_spread: 0.0, wall, stretch: Vec3::ONE, lattice, bevel: 0.07, seed: 0 }
+        Self {
+            spacing,
+            jitter: 0.4,
+            weight_spread: 0.0,
+            wall,
+            stretch: Vec3::ONE,
+            lattice,
+            bevel: 0.07,
+            rounding: 0.0,
+            share: 1.0,
+            nucleus: None,
+            seed: 0,
+        }
     }
 }
 
 /// Checked cells, ready to be asked.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    spec: CellsSpec,
-    source: Source,
+    /// No other cells have it, but copies of these.
+    number: u64,
+    pub(super) spec: CellsSpec,
+    pub(super) source: Source,
     /// From model space to spacings, stretched back.
-    lattice_from_model: DMat3,
-    model_from_lattice: DMat3,
+    pub(super) lattice_from_model: DMat3,
+    pub(super) model_from_lattice: DMat3,
 }
 
 /// A cell's seed, seen from the lattice's node nearest to the place asked for.
 #[derive(Clone, Copy, Debug)]
-struct Seed {
-    cell: [i32; 3],
-    at: Vec3,
-    weight: f32,
+pub(super) struct Seed {
+    pub(super) cell: [i32; 3],
+    pub(super) at: Vec3,
+    pub(super) weight: f32,
 }
 
 /// Where a ray leaves a cell.
@@ -84,18 +118,44 @@ impl Cells {
         within("weight spread", spec.weight_spread, 0.0..=0.5, "from 0 to 0.5")?;
         within("wall", spec.wall, 0.0..=spec.spacing, "from 0 to a spacing")?;
         within("bevel", spec.bevel, 0.0..=0.5, "from 0 to 0.5 spacings")?;
-        if !(spec.stretch.is_finite() && spec.stretch.min_element() >= 0.05 && spec.stretch.max_element() <= 20.0) {
-            let given = format!("{},{},{}", spec.stretch.x, spec.stretch.y, spec.stretch.z);
-            return Err(parameter("stretch", given, "three numbers from 0.05 to 20"));
+        super::mottle::stretch(spec.stretch)?;
+        within("rounding", spec.rounding, 0.0..=spec.spacing, "from 0 to a spacing")?;
+        within("share", spec.share, 0.0..=1.0, "from 0 to 1")?;
+        if let Some(nucleus) = spec.nucleus {
+            positive("nucleus radius", nucleus.radius)?;
+            within("nucleus radius", nucleus.radius, 0.0..=spec.spacing, "at most a spacing")?;
+            within("nucleus offset", nucleus.offset, 0.0..=spec.spacing, "from 0 to a spacing")?;
         }
         let rotation = lattice_rotation(spec.lattice);
         let stretch = spec.stretch.as_dvec3();
         let size = spec.spacing as f64;
+        static NUMBERS: AtomicU64 = AtomicU64::new(1);
         Ok(Self {
+            number: NUMBERS.fetch_add(1, Ordering::Relaxed),
             source: Source { chance: Chance::Hash, seed: spec.seed },
             lattice_from_model: rotation.transpose() * DMat3::from_diagonal(1.0 / (stretch * size)),
             model_from_lattice: DMat3::from_diagonal(stretch * size) * rotation,
             spec,
+        })
+    }
+
+    /// The description they were made from.
+    pub fn spec(&self) -> &CellsSpec {
+        &self.spec
+    }
+
+    /// Whether all cells are there, with sharp edges and nothing in them.
+    pub(super) fn is_sharp(&self) -> bool {
+        self.spec.rounding == 0.0 && self.spec.share >= 1.0 && self.spec.nucleus.is_none()
+    }
+
+    /// The name of the cell that a point is in, and how far the point is from its wall: model units, negative in it.
+    pub(super) fn room(&self, p: DVec3) -> (u32, f32) {
+        let (node, local) = place_of(self.lattice_from_model * p);
+        self.with_near(node, |near| {
+            let asked = Asked { cells: self, node, local, near, is_all: false };
+            let seed = asked.owner(local);
+            (self.source.id(seed.cell), asked.wall_distance(seed) - self.spec.wall * 0.5)
         })
     }
 
@@ -113,41 +173,51 @@ impl Cells {
         look: Look,
         keep: impl Fn(&Candidate) -> bool,
     ) -> Hit {
-        self.eval_cached(p, surface, look, keep, &mut CellsCache::default())
+        let (node, local) = place_of(self.lattice_from_model * p);
+        self.with_near(node, |near| self.eval_among((p, node, local), surface, look, keep, (near, false)))
     }
 
-    /// The same with the seeds of the last place asked for at hand: several times faster where places are neighbours.
-    pub fn eval_cached(
+    /// The same from a list of seeds, with the place on the lattice; `is_all` if no others matter.
+    pub(super) fn eval_among(
         &self,
-        p: DVec3,
+        (p, node, local): (DVec3, [i32; 3], Vec3),
         surface: &impl CutSurface,
         look: Look,
         keep: impl Fn(&Candidate) -> bool,
-        cache: &mut CellsCache,
+        (near, is_all): (&[Seed], bool),
     ) -> Hit {
-        let (node, local) = place_of(self.lattice_from_model * p);
         let n = surface.normal(p);
         let outward = if look.side == Side::Below { n } else { -n };
-        cache.move_to(self, node);
-        let asked = Asked { cells: self, node, local, near: &cache.seeds };
+        let asked = Asked { cells: self, node, local, near, is_all };
         let seed = asked.owner(local);
-        let matrix = |height| {
-            let normal = outward.as_vec3();
-            Hit { height, normal, kind: HitKind::Matrix, particle: Hit::MATRIX, openness: 1.0 }
-        };
+        let matrix = |height| Hit::matrix(outward.as_vec3(), height);
         let center = asked.model(seed);
         let reach = 2.0 * self.spec.spacing * self.spec.stretch.max_element();
         let id = self.source.id(seed.cell);
         let rest = if look.kind == SectionKind::Solid { -self.bevel() } else { 0.0 };
-        if !keep(&Candidate { cell: seed.cell, id, center, reach }) {
+        if !self.is_there(seed) || !keep(&Candidate { cell: seed.cell, id, center, reach }) {
             return matrix(rest);
         }
         let half_wall = self.spec.wall * 0.5;
         let is_below = |s: Seed| surface.distance(asked.model(s)) <= 0.0;
-        if look.kind == SectionKind::Solid {
-            return self.solid(&asked, seed, outward, id);
+        let soft = match self.spec.rounding > 0.0 {
+            true => Soft::of(&asked, seed, self.spec.wall, self.spec.rounding),
+            false => None,
+        };
+        if self.spec.rounding > 0.0 && soft.as_ref().is_none_or(|s| !s.holds()) && look.kind != SectionKind::Solid {
+            return matrix(0.0);
         }
-        if asked.wall_distance(seed) < half_wall {
+        if look.kind == SectionKind::Solid {
+            let hit = match &soft {
+                Some(soft) => self.beveled(soft.gap(outward.as_vec3()), outward, id),
+                None if self.spec.rounding > 0.0 => matrix(rest),
+                None => self.solid(&asked, seed, outward, id),
+            };
+            let is_cut =
+                hit.kind == HitKind::Disc && self.nucleus(seed, &asked).is_some_and(|(c, r)| p.distance(c) < r);
+            return Hit { leaf: is_cut as u16, ..hit };
+        }
+        if soft.is_none() && asked.wall_distance(seed) < half_wall {
             return matrix(0.0);
         }
         // Out of the half that holds the cell, or into the half that has its cavity.
@@ -163,7 +233,16 @@ impl Cells {
             _ => -outward,
         };
         let goes_on = |s: Seed| self.spec.wall == 0.0 && look.kind == SectionKind::Tear && is_below(s) == below;
-        let (length, normal) = asked.walk(seed, t, goes_on);
+        let (length, normal) = match &soft {
+            Some(soft) => soft.exit(t.as_vec3()),
+            None => asked.walk(seed, t, goes_on),
+        };
+        if look.kind == SectionKind::Hollow
+            && let Some((height, normal)) = self.nucleus(seed, &asked).and_then(|n| lying(n, p, outward, length))
+        {
+            let openness = (0.5 + 0.5 * normal.dot(outward.as_vec3())) * 0.8;
+            return Hit { height, normal, kind: HitKind::Bump, particle: id, openness, leaf: 1, tone: 0.0 };
+        }
         let is_bump = look.kind == SectionKind::Tear && below == (look.side == Side::Below);
         let sign = if is_bump { 1.0 } else { -1.0 };
         let normal = normal * sign;
@@ -172,11 +251,47 @@ impl Cells {
             normal,
             kind: if is_bump { HitKind::Bump } else { HitKind::Cavity },
             particle: id,
-            openness: match is_bump || self.spec.wall == 0.0 {
-                true => 0.5 + 0.5 * normal.dot(outward.as_vec3()).clamp(-1.0, 1.0),
-                false => asked.openness(seed, length, normal, outward),
+            openness: match (is_bump || self.spec.wall == 0.0, &soft) {
+                (false, Some(soft)) => soft.openness(length, normal, outward),
+                (true, _) => 0.5 + 0.5 * normal.dot(outward.as_vec3()).clamp(-1.0, 1.0),
+                (false, None) => asked.openness(seed, length, normal, outward),
             },
+            leaf: 0,
+            tone: 0.0,
         }
+    }
+
+    fn is_there(&self, seed: Seed) -> bool {
+        self.spec.share >= 1.0 || self.source.even(seed.cell)[0] < self.spec.share
+    }
+
+    /// How far a point is from all cells that are there, model units; zero in one.
+    pub(super) fn clearance(&self, p: DVec3) -> f32 {
+        let (node, local) = place_of(self.lattice_from_model * p);
+        self.with_near(node, |near| self.clearance_of(&Asked { cells: self, node, local, near, is_all: false }))
+    }
+
+    fn clearance_of(&self, asked: &Asked) -> f32 {
+        let local = asked.local;
+        let seed = asked.owner(local);
+        if self.is_there(seed) {
+            return (self.spec.wall * 0.5 - asked.wall_distance(seed)).max(0.0);
+        }
+        let mut least = f32::INFINITY;
+        asked.for_seeds(local, |s| {
+            if s.cell != seed.cell && self.is_there(s) {
+                let (value, gradient) = asked.border(seed, s, local);
+                least = least.min(value / gradient.length() + self.spec.wall * 0.5);
+            }
+        });
+        least
+    }
+
+    /// Where a cell's nucleus is, and its radius; model space.
+    fn nucleus(&self, seed: Seed, asked: &Asked) -> Option<(DVec3, f64)> {
+        let nucleus = self.spec.nucleus?;
+        let off = self.source.tilt(seed.cell).as_dvec3() * (nucleus.offset as f64 / 3f64.sqrt());
+        Some((asked.model(seed) + off, nucleus.radius as f64))
     }
 
     /// At most half a wall, so that neighbours' bevels do not meet; model units.
@@ -186,11 +301,15 @@ impl Cells {
 
     /// Flat cells with bevels down to the walls.
     fn solid(&self, asked: &Asked, seed: Seed, outward: DVec3, id: u32) -> Hit {
+        let (distance, away) = asked.gap(seed, outward.as_vec3());
+        self.beveled(Gap { distance, away }, outward, id)
+    }
+
+    fn beveled(&self, Gap { distance: gap, away }: Gap, outward: DVec3, id: u32) -> Hit {
         let normal = outward.as_vec3();
         let t = self.bevel();
-        let (gap, away) = asked.gap(seed, normal);
         if gap <= 0.0 {
-            Hit { height: 0.0, normal, kind: HitKind::Disc, particle: id, openness: 1.0 }
+            Hit { kind: HitKind::Disc, particle: id, ..Hit::matrix(normal, 0.0) }
         } else if gap < t {
             let normal = (normal + away).normalize_or(normal);
             Hit {
@@ -199,42 +318,90 @@ impl Cells {
                 kind: HitKind::Bevel,
                 particle: id,
                 openness: 0.5 + 0.5 * normal.dot(outward.as_vec3()),
+                leaf: 0,
+                tone: 0.0,
             }
         } else {
-            Hit { height: -t, normal, kind: HitKind::Matrix, particle: Hit::MATRIX, openness: 1.0 }
+            Hit::matrix(normal, -t)
         }
     }
 }
 
-/// The seeds around a node, kept from one place to the next. It belongs to one [`Cells`].
-#[derive(Clone, Debug, Default)]
-pub struct CellsCache {
-    node: Option<[i32; 3]>,
+/// The upper side of a ball that lies in a hollow so deep below a place, if a half has it: height and normal.
+fn lying((center, radius): (DVec3, f64), p: DVec3, outward: DVec3, depth: f32) -> Option<(f32, Vec3)> {
+    let m = p - center;
+    let above = m.dot(outward);
+    let across = m - outward * above;
+    let squared = radius * radius - across.length_squared();
+    // Its centre is in the other half, or it is beside the ray.
+    if above < 0.0 || squared <= 0.0 {
+        return None;
+    }
+    let rise = squared.sqrt();
+    let height = (rise - above) as f32;
+    (height > -depth).then(|| (height, ((across + outward * rise) / radius).as_vec3()))
+}
+
+/// The seeds around a node of some cells.
+#[derive(Default)]
+struct Near {
+    /// The cells' number; 0 for none.
+    cells: u64,
+    node: [i32; 3],
     seeds: Vec<Seed>,
 }
 
-impl CellsCache {
-    fn move_to(&mut self, cells: &Cells, node: [i32; 3]) {
-        if self.node != Some(node) {
-            self.node = Some(node);
-            self.seeds.clear();
-            seeds(cells, node, [0; 3], |s| self.seeds.push(s));
+/// How many nodes a thread remembers.
+const N_NEAR: usize = 64;
+
+thread_local! {
+    /// The seeds around nodes that were asked for lately: places are asked for beside each other, and to draw their seeds
+    /// anew takes most of the time.
+    static NEAR: RefCell<Vec<Near>> = const { RefCell::new(Vec::new()) };
+}
+
+impl Cells {
+    /// Calls `ask` with the seeds around a node. What it asks may ask for others.
+    fn with_near<R>(&self, node: [i32; 3], ask: impl FnOnce(&[Seed]) -> R) -> R {
+        let slot = hash_cell(node[0], node[1], node[2], self.number as u32) as usize % N_NEAR;
+        let mut near = NEAR.with_borrow_mut(|all| {
+            all.resize_with(N_NEAR, Near::default);
+            std::mem::take(&mut all[slot])
+        });
+        if near.cells != self.number || near.node != node {
+            (near.cells, near.node) = (self.number, node);
+            near.seeds.clear();
+            seeds(self, node, [0; 3], |s| near.seeds.push(s));
         }
+        let answer = ask(&near.seeds);
+        NEAR.with_borrow_mut(|all| all[slot] = near);
+        answer
     }
 }
 
 /// A place that is asked about, with its nearest node.
-struct Asked<'a> {
+pub(super) struct Asked<'a> {
     cells: &'a Cells,
     node: [i32; 3],
-    local: Vec3,
+    pub(super) local: Vec3,
     /// The seeds around it.
     near: &'a [Seed],
+    /// Whether no other seeds matter, wherever a way from the place leads.
+    is_all: bool,
 }
 
 /// Rings of nodes around a place among which its nearest seeds are: one at a third ring is farther than two spacings, the
 /// own is nearer than sqrt 3.
 const RINGS: i32 = 2;
+
+impl Cells {
+    /// A cell's seed, seen from a node.
+    pub(super) fn seed_from(&self, node: [i32; 3], cell: [i32; 3]) -> Seed {
+        let from: [i32; 3] = std::array::from_fn(|k| cell[k].wrapping_sub(node[k]));
+        let at = vec3(from[0] as f32, from[1] as f32, from[2] as f32) + self.source.center(cell) * self.spec.jitter;
+        Seed { cell, at, weight: self.source.sizes(cell)[0] * self.spec.weight_spread }
+    }
+}
 
 /// Calls `visit` with the seeds of the nodes around `middle`, a step from `node`.
 fn seeds(cells: &Cells, node: [i32; 3], middle: [i32; 3], mut visit: impl FnMut(Seed)) {
@@ -242,15 +409,19 @@ fn seeds(cells: &Cells, node: [i32; 3], middle: [i32; 3], mut visit: impl FnMut(
         let from = add(middle, ring);
         let cell = add(node, from);
         let at = vec3(from[0] as f32, from[1] as f32, from[2] as f32) + cells.source.center(cell) * cells.spec.jitter;
-        visit(Seed { cell, at, weight: cells.source.sizes(cell)[0] * cells.spec.weight_spread });
+        // Most cells have no weights: two draws less for each seed.
+        let spread = cells.spec.weight_spread;
+        let weight = if spread > 0.0 { cells.source.sizes(cell)[0] * spread } else { 0.0 };
+        visit(Seed { cell, at, weight });
     });
 }
 
 impl Asked<'_> {
     /// Calls `visit` with the seeds around a place.
-    fn for_seeds(&self, around: Vec3, mut visit: impl FnMut(Seed)) {
+    pub(super) fn for_seeds(&self, around: Vec3, mut visit: impl FnMut(Seed)) {
         let step = (around + Vec3::splat(0.5)).floor();
         match [step.x as i32, step.y as i32, step.z as i32] {
+            _ if self.is_all => self.near.iter().for_each(|s| visit(*s)),
             [0, 0, 0] => self.near.iter().for_each(|s| visit(*s)),
             middle => seeds(self.cells, self.node, middle, visit),
         }
@@ -290,7 +461,7 @@ impl Asked<'_> {
     }
 
     /// The border between two cells as a function that is positive in the first, and its gradient in model space.
-    fn border(&self, i: Seed, j: Seed, x: Vec3) -> (f32, Vec3) {
+    pub(super) fn border(&self, i: Seed, j: Seed, x: Vec3) -> (f32, Vec3) {
         let value = ((x - j.at).length_squared() - j.weight) - ((x - i.at).length_squared() - i.weight);
         let gradient = self.cells.lattice_from_model.transpose() * ((i.at - j.at) * 2.0).as_dvec3();
         (value, gradient.as_vec3())
@@ -360,7 +531,8 @@ impl Asked<'_> {
                 }
                 let (value, gradient) = self.border(seed, s, self.local);
                 let fall = -gradient.dot(t);
-                let wall = self.cells.spec.wall * 0.5 * gradient.length();
+                let half_wall = self.cells.spec.wall * 0.5;
+                let wall = if half_wall > 0.0 { half_wall * gradient.length() } else { 0.0 };
                 if fall > 0.0 {
                     let length = ((value - wall) / fall).max(from);
                     if best.is_none_or(|b| length < b.length) {
@@ -369,7 +541,7 @@ impl Asked<'_> {
                 }
             });
             let found = best?.length;
-            if before == Some(found) {
+            if self.is_all || before == Some(found) {
                 break;
             }
             around = self.local + along * found;

@@ -57,6 +57,8 @@ impl Hits {
             kind: self.kind[i],
             particle: self.particle[i],
             openness: self.openness[i],
+            leaf: 0,
+            tone: 0.0,
         }
     }
 }
@@ -214,8 +216,7 @@ impl Discs<'_> {
         let (plane_normal, n) = (self.grain.to_lattice(self.plane.normal), self.grain.to_lattice(side));
         let t = self.bevel();
         let rest = if look.kind == SectionKind::Solid { -t } else { 0.0 };
-        let mut best =
-            Hit { height: rest, normal: side.as_vec3(), kind: HitKind::Matrix, particle: Hit::MATRIX, openness: 1.0 };
+        let mut best = Hit::matrix(side.as_vec3(), rest);
         for &k in near {
             let disc = &self.discs[k as usize];
             let reach = disc.radius + if look.kind == SectionKind::Solid { t } else { 0.0 };
@@ -239,6 +240,7 @@ impl Discs<'_> {
                         true => 0.5 + 0.5 * exit.normal.dot(n),
                         false => form_factor(&self.openings[k as usize], m - n * exit.distance, -exit.normal),
                     },
+                    ..best
                 };
                 continue;
             }
@@ -252,6 +254,7 @@ impl Discs<'_> {
                     kind: if distance > 0.0 { HitKind::Bevel } else { HitKind::Disc },
                     particle: disc.particle.id,
                     openness: 0.5 + 0.5 * normal.dot(n),
+                    ..best
                 };
             }
         }

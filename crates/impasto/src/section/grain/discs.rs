@@ -57,7 +57,7 @@ pub struct Discs<'a> {
 }
 
 /// More cells are not listed: each would be smaller than what can be seen.
-const MAX_CELLS: f64 = 4e6;
+pub(super) const MAX_CELLS: f64 = 4e6;
 
 impl Grain {
     /// The particles that a plane meets in a window of it.
@@ -75,7 +75,7 @@ impl Grain {
         let mut list = Vec::new();
         let n = self.to_lattice(plane.normal);
         let pad = self.reach() + self.spec.bevel * self.spec.spacing;
-        self.for_cells_at(plane, &window, |cell| {
+        self.for_cells_at(plane, &window, self.reach, |cell| {
             let offset = self.offset(cell);
             let center = self.model_point(cell, offset);
             let height = plane.distance(center);
@@ -109,13 +109,14 @@ impl Grain {
         Some(Discs::sorted(self, *plane, window, list))
     }
 
-    /// Calls `visit` with every cell whose particle may reach the plane near the window, in a fixed order.
-    fn for_cells_at(&self, plane: &Plane, window: &Window, mut visit: impl FnMut([i32; 3])) {
+    /// Calls `visit` with every cell whose particle may reach the plane near the window, in a fixed order; none reaches
+    /// farther than `reach` spacings from where it hangs.
+    pub(super) fn for_cells_at(&self, plane: &Plane, window: &Window, reach: f32, mut visit: impl FnMut([i32; 3])) {
         let spacing = self.spec.spacing as f64;
         let to_lattice = |p: DVec3| self.model_from_lattice.transpose() * p / spacing;
         let n = self.model_from_lattice.transpose() * plane.normal;
         let offset = plane.offset / spacing;
-        let pad = self.reach as f64 + self.spec.bevel as f64 + self.spec.jitter as f64 * 3f64.sqrt();
+        let pad = reach as f64 + self.spec.bevel as f64 + self.spec.jitter as f64 * 3f64.sqrt();
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for (x, y) in [
             (window.min.x, window.min.y),
@@ -138,7 +139,7 @@ impl Grain {
         };
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         let jitter = self.spec.jitter as f64 * (a.x + a.y + a.z);
-        let thick = (self.reach as f64 + jitter) / a[k];
+        let thick = (reach as f64 + jitter) / a[k];
         let axes = window.axes.map(|v| self.model_from_lattice.transpose() * v);
         let origin = to_lattice(window.origin);
         let pad = pad as f32;

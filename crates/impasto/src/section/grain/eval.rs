@@ -69,11 +69,22 @@ pub struct Hit {
     /// How much of a uniform sky lights the point, 0 to 1: exact in the cavities of balls, within about 0.03 in those
     /// of other particles, whose opening a polygon stands for; for all else only the section's own plane hides sky.
     pub openness: f32,
+    /// Which leaf of the filling answers, counted as [`Filling::n_leaves`](super::Filling::n_leaves) says; 0 where there is
+    /// but one.
+    pub leaf: u16,
+    /// A place on the leaf's colour ramp, 0 to 1; 0 where the leaf has none.
+    pub tone: f32,
 }
 
 impl Hit {
     /// No particle.
     pub const MATRIX: u32 = 0;
+
+    /// Flat matrix at a height; `normal` is the section's.
+    pub fn matrix(normal: Vec3, height: f32) -> Self {
+        let (kind, particle) = (HitKind::Matrix, Self::MATRIX);
+        Self { height, normal, kind, particle, openness: 1.0, leaf: 0, tone: 0.0 }
+    }
 }
 
 /// A particle near a point, as a caller may choose by: see [`Grain::eval_where`].
@@ -170,6 +181,8 @@ impl Grain {
             kind: raw.kind,
             particle: raw.particle,
             openness: raw.openness,
+            leaf: 0,
+            tone: 0.0,
         }
     }
 

@@ -8,10 +8,11 @@ use super::check::{positive, within};
 use super::eval::{Candidate, Hit, HitKind, Look, SectionKind, Side};
 use super::rod::Rod;
 use super::shape::{Body, Convex};
+use super::slices::Breaks;
 use super::spec::parameter;
 use super::{MARGIN, place_of};
 use crate::Result;
-use crate::math::{DMat3, DVec2, DVec3, Vec3, exact, hash, hash_cell, unit_float};
+use crate::math::{DMat3, DVec2, DVec3, Vec2, Vec3, exact, hash, hash_cell, unit_float};
 use crate::section::CutSurface;
 
 /// Fibres as a person describes them.
@@ -51,12 +52,19 @@ impl FibresSpec {
 /// Checked fibres, ready to be asked.
 #[derive(Clone, Debug)]
 pub struct Fibres {
-    spec: FibresSpec,
+    pub(super) spec: FibresSpec,
     /// A rotation whose third column is the fibres' direction.
-    model_from_fibres: DMat3,
-    radius: f32,
-    length: f32,
-    gap: f32,
+    pub(super) model_from_fibres: DMat3,
+    pub(super) radius: f32,
+    pub(super) length: f32,
+    pub(super) gap: f32,
+}
+
+/// Pieces by their keys, and which of them to ask.
+#[derive(Clone, Copy)]
+pub(super) struct PieceList<'a> {
+    pub(super) pieces: &'a [([i32; 3], Breaks)],
+    pub(super) indices: &'a [u32],
 }
 
 /// A piece of a fibre, in spacings, seen from the place asked for.
@@ -103,6 +111,16 @@ impl Fibres {
         })
     }
 
+    /// The description they were made from.
+    pub fn spec(&self) -> &FibresSpec {
+        &self.spec
+    }
+
+    /// A rotation whose third column is the fibres' direction.
+    pub(in crate::section) fn model_from_fibres(&self) -> DMat3 {
+        self.model_from_fibres
+    }
+
     /// What a cut shows at a point of it, in model space; see [`Grain::eval`](super::Grain::eval).
     pub fn eval(&self, p: DVec3, surface: &impl CutSurface, look: Look) -> Hit {
         self.eval_where(p, surface, look, |_| true)
@@ -116,6 +134,18 @@ impl Fibres {
         look: Look,
         keep: impl Fn(&Candidate) -> bool,
     ) -> Hit {
+        self.eval_among(p, surface, look, keep, None)
+    }
+
+    /// The same, asking only these pieces, if there is a list.
+    pub(super) fn eval_among(
+        &self,
+        p: DVec3,
+        surface: &impl CutSurface,
+        look: Look,
+        keep: impl Fn(&Candidate) -> bool,
+        list: Option<PieceList>,
+    ) -> Hit {
         let spacing = self.spec.spacing;
         let turn = self.model_from_fibres.transpose();
         let q = turn * p / spacing as f64;
@@ -124,8 +154,8 @@ impl Fibres {
         let t = self.spec.bevel;
         let solid = look.kind == SectionKind::Solid;
         let rest = if solid { -t } else { 0.0 };
-        let mut best = Hit { height: rest, normal: n, kind: HitKind::Matrix, particle: Hit::MATRIX, openness: 1.0 };
-        self.for_pieces(q, if solid { t } else { 0.0 }, |piece| {
+        let mut best = Hit::matrix(n, rest);
+        self.for_pieces(q, if solid { t } else { 0.0 }, list, |piece| {
             let Piece { key, m, body } = piece;
             let center = self.model_from_fibres * ((q - m.as_dvec3()) * spacing as f64);
             let id = self.hash(key).max(1);
@@ -141,7 +171,7 @@ impl Fibres {
                         false => (HitKind::Disc, n),
                     };
                     let openness = 0.5 + 0.5 * normal.dot(n);
-                    best = Hit { height: -gap.distance.max(0.0), normal, kind, particle: id, openness };
+                    best = Hit { height: -gap.distance.max(0.0), normal, kind, particle: id, openness, ..best };
                 }
             } else if body.holds(m) && keep(&candidate) {
                 let is_below = surface.distance(center) <= 0.0;
@@ -153,7 +183,14 @@ impl Fibres {
                     false => body.cavity_openness(m, n, &exit),
                 };
                 let kind = if is_bump { HitKind::Bump } else { HitKind::Cavity };
-                best = Hit { height: exit.distance * sign, normal: exit.normal * sign, kind, particle: id, openness };
+                best = Hit {
+                    height: exit.distance * sign,
+                    normal: exit.normal * sign,
+                    kind,
+                    particle: id,
+                    openness,
+                    ..best
+                };
             }
         });
         let normal = (self.model_from_fibres * best.normal.as_dvec3()).as_vec3();
@@ -161,7 +198,25 @@ impl Fibres {
     }
 
     /// Calls `visit` with the pieces that are nearer than `margin` to a place, in a fixed order.
-    fn for_pieces(&self, q: DVec3, margin: f32, mut visit: impl FnMut(Piece)) {
+    fn for_pieces(&self, q: DVec3, margin: f32, list: Option<PieceList>, mut visit: impl FnMut(Piece)) {
+        if let Some(PieceList { pieces, indices }) = list {
+            for &i in indices {
+                let (key, breaks) = &pieces[i as usize];
+                let flat = (DVec2::new(q.x, q.y) - breaks.middle).as_vec2();
+                let free = breaks.free_radius + margin;
+                if flat.length_squared() <= free * free {
+                    let (k, part) = place_of(DVec3::new(q.z / self.length as f64 + breaks.phase, 0.0, 0.0));
+                    let steps = key[2].wrapping_sub(k[0]) as f32;
+                    if steps.abs() <= 1.0
+                        && let Some(piece) =
+                            self.piece(*key, (steps, part.x), breaks.radius, breaks.shifts, flat, margin)
+                    {
+                        visit(piece);
+                    }
+                }
+            }
+            return;
+        }
         let rows = 0.75f64.sqrt();
         let row = (q.y / rows + 0.5).floor();
         let column = (q.x - shift(row as i32) + 0.5).floor();
@@ -179,42 +234,61 @@ impl Fibres {
                 let along = q.z / self.length as f64 + unit_float(hash(self.hash([key[0], key[1], 0]) ^ 7)) as f64;
                 let (k, part) = place_of(DVec3::new(along, 0.0, 0.0));
                 for piece in k[0].wrapping_sub(1)..=k[0].wrapping_add(1) {
-                    // From the place, in spacings.
-                    let end =
-                        |j: i32| (j.wrapping_sub(k[0]) as f32 + self.shift_of_break(key, j) - part.x) * self.length;
-                    let (low, high) = (end(piece), end(piece.wrapping_add(1)));
-                    let half = (high - low - self.gap) * 0.5;
-                    let center = (low + high) * 0.5;
-                    if half <= 0.0 || center.abs() > half + margin {
-                        continue;
-                    }
-                    let rounding = (self.spec.rounding * radius).min(half);
-                    let body = Body::Rod(Rod { axis: Vec3::Z, radius, half, rounding, domed: false });
-                    visit(Piece { key: [key[0], key[1], piece], m: flat.extend(-center), body });
+                    let shifts = [piece, piece.wrapping_add(1)].map(|j| self.shift_of_break(key, j));
+                    let steps = piece.wrapping_sub(k[0]) as f32;
+                    let key = [key[0], key[1], piece];
+                    self.piece(key, (steps, part.x), radius, shifts, flat, margin).into_iter().for_each(&mut visit);
                 }
             }
         }
     }
 
+    /// A piece so many lengths before or behind the place's own, of which `part` is behind it; none if it is farther away
+    /// than `margin`.
+    fn piece(
+        &self,
+        key: [i32; 3],
+        (steps, part): (f32, f32),
+        radius: f32,
+        shifts: [f32; 2],
+        flat: Vec2,
+        margin: f32,
+    ) -> Option<Piece> {
+        let half = self.half(shifts);
+        // From the place, in spacings.
+        let center = (steps + (0.5 * (1.0 + shifts[0] + shifts[1]) - part)) * self.length;
+        if half <= 0.0 || center.abs() > half + margin {
+            return None;
+        }
+        let rounding = (self.spec.rounding * radius).min(half);
+        let body = Body::Rod(Rod { axis: Vec3::Z, radius, half, rounding, domed: false });
+        Some(Piece { key, m: flat.extend(-center), body })
+    }
+
+    /// Half the length of a piece between breaks that are so far off their places.
+    pub(super) fn half(&self, shifts: [f32; 2]) -> f32 {
+        ((1.0 + (shifts[1] - shifts[0])) * self.length - self.gap) * 0.5
+    }
+
     /// How far a break lies off its place, in lengths: pieces are between 0.3 and 1.7 lengths long.
-    fn shift_of_break(&self, key: [i32; 2], k: i32) -> f32 {
+    pub(super) fn shift_of_break(&self, key: [i32; 2], k: i32) -> f32 {
         0.7 * (unit_float(hash(self.hash([key[0], key[1], k]) ^ 3)) - 0.5)
     }
 
     /// A fibre's middle in the plane across.
-    fn middle(&self, [x, y]: [i32; 2]) -> DVec2 {
+    pub(super) fn middle(&self, [x, y]: [i32; 2]) -> DVec2 {
         let h = self.hash([x, y, 0]);
         let off = |k: u32| (unit_float(hash(h.wrapping_add(k))) * 2.0 - 1.0) as f64 * self.spec.jitter as f64;
         DVec2::new(x as f64 + shift(y) + off(1), y as f64 * 0.75f64.sqrt() + off(2))
     }
 
-    fn free_radius(&self, [x, y]: [i32; 2]) -> f32 {
+    pub(super) fn free_radius(&self, [x, y]: [i32; 2]) -> f32 {
         let a = unit_float(hash(self.hash([x, y, 0]).wrapping_add(4))) * 2.0 - 1.0;
         self.radius * (1.0 + self.spec.size_spread * a)
     }
 
     /// The weighted split among the neighbours that can be near.
-    fn radius_of(&self, key: [i32; 2]) -> f32 {
+    pub(super) fn radius_of(&self, key: [i32; 2]) -> f32 {
         let own = self.free_radius(key);
         let middle = self.middle(key);
         let mut scale = 1.0f32;
@@ -230,12 +304,12 @@ impl Fibres {
         own * scale * (1.0 - MARGIN)
     }
 
-    fn hash(&self, key: [i32; 3]) -> u32 {
+    pub(super) fn hash(&self, key: [i32; 3]) -> u32 {
         hash_cell(key[0], key[1], key[2], self.spec.seed)
     }
 }
 
 /// Every other row of a hexagonal lattice is shifted by half.
-fn shift(row: i32) -> f64 {
+pub(super) fn shift(row: i32) -> f64 {
     if row & 1 == 0 { 0.0 } else { 0.5 }
 }

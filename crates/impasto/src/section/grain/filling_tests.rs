@@ -18,14 +18,15 @@ fn fillings() -> Vec<(&'static str, Filling)> {
     let cells = |spec| Filling::Cells(Box::new(Cells::new(spec).unwrap()));
     let stretched = CellsSpec { stretch: vec3(1.0, 3.0, 0.7), weight_spread: 0.3, ..CellsSpec::of(0.7, 0.0) };
     let fibres = Fibres::new(FibresSpec::of(0.5, 0.22, vec3(0.2, 1.0, 0.1))).unwrap();
-    let grain = |spacing, radius| Box::new(Grain::new(GrainSpec::spheres(spacing, radius)).unwrap());
+    let grain = |spacing, radius| Size::Grain(Box::new(Grain::new(GrainSpec::spheres(spacing, radius)).unwrap()));
+    let scales = |grains, mixing| Filling::Scales(Box::new(Scales::new(grains, mixing).unwrap()));
     vec![
         ("plain", Filling::Plain),
         ("voronoi", cells(CellsSpec::of(0.7, 0.0))),
         ("walls", cells(CellsSpec::of(0.7, 0.1))),
         ("laguerre", cells(stretched)),
         ("fibres", Filling::Fibres(Box::new(fibres))),
-        ("two scales", Filling::TwoScales { coarse: grain(1.2, 0.5), fine: grain(0.25, 0.1), gap: 0.02 }),
+        ("two scales", scales(vec![grain(1.2, 0.5), grain(0.25, 0.1)], Mixing::Apart(0.02))),
     ]
 }
 
@@ -130,7 +131,9 @@ fn fibres_run_along_their_axis_and_never_overlap() {
 fn fine_particles_keep_away_from_coarse_ones() {
     let coarse = Grain::new(GrainSpec::of(Shape::Box { edges: vec3(0.4, 0.5, 0.8), rounding: 0.0 }, 1.0)).unwrap();
     let fine = Grain::new(GrainSpec::spheres(0.2, 0.08)).unwrap();
-    let filling = Filling::TwoScales { coarse: Box::new(coarse.clone()), fine: Box::new(fine), gap: 0.03 };
+    let filling = Filling::Scales(Box::new(
+        Scales::new([coarse.clone(), fine].map(|g| Size::Grain(Box::new(g))).to_vec(), Mixing::Apart(0.03)).unwrap(),
+    ));
     let look = Look { kind: SectionKind::Tear, side: Side::Below };
     let (mut n_fine, mut n_coarse) = (0, 0);
     for i in 0..1_500 {
@@ -234,7 +237,6 @@ fn bad_cells_give_one_clear_line() {
 #[test]
 fn openness_in_cells_agrees_with_shooting_rays_at_the_sky() {
     let cells = Cells::new(CellsSpec { stretch: vec3(1.0, 1.5, 0.8), ..CellsSpec::of(0.7, 0.12) }).unwrap();
-    let mut cache = CellsCache::default();
     let mut n = 0;
     for i in 0..60 {
         let (p, plane) = on_plane(i * 53);
@@ -254,7 +256,7 @@ fn openness_in_cells_agrees_with_shooting_rays_at_the_sky() {
             if rise > 1e-4 {
                 let x = q + t.as_dvec3() * (-hit.height as f64 / rise);
                 let look = Look { kind: SectionKind::Solid, side: Side::Below };
-                let top = cells.eval_cached(x, &plane, look, |_| true, &mut cache);
+                let top = cells.eval(x, &plane, look);
                 seen += (top.kind == HitKind::Disc && top.particle == hit.particle) as i32;
             }
         }

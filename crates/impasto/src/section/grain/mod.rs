@@ -8,14 +8,23 @@
 //! Inside, lengths are in spacings and directions along the lattice's axes. A point is an integer cell and an offset from
 //! its node, so that nothing is lost far from the origin.
 
+mod bands;
 mod block;
+mod blocks;
+mod bodies;
+mod cell_slices;
 mod cells;
+mod chambers;
 mod chance;
 mod check;
+#[cfg(test)]
+mod conformance_tests;
+pub mod curve;
 mod discs;
 #[cfg(test)]
 mod discs_tests;
 mod disc_kernel;
+mod druse;
 mod ellipsoid;
 mod eval;
 mod far;
@@ -23,28 +32,53 @@ mod fibres;
 pub mod figures;
 mod filling;
 mod letter;
+mod mottle;
 mod openness;
+mod outline;
+mod outlines;
+#[cfg(test)]
+mod outlines_tests;
 mod particle;
+mod question;
+mod rings;
 mod rod;
+mod scales;
 mod shape;
+mod soft;
+mod sections;
+#[cfg(test)]
+mod sections_tests;
+mod slices;
 mod spec;
 mod superquadric;
+mod trabeculae;
 #[cfg(test)]
 mod filling_tests;
 #[cfg(test)]
 mod shape_tests;
 #[cfg(test)]
+mod solids_tests;
+#[cfg(test)]
 mod tests;
 
-pub use cells::{Cells, CellsCache, CellsSpec};
+pub use bands::{Bands, BandsSpec};
+pub use cells::{Cells, CellsSpec, Nucleus};
+pub use chambers::{Chambers, ChambersSpec, Rooms, Wedges};
 pub use disc_kernel::Hits;
 pub use discs::{Disc, Discs, Window};
+pub use druse::{Druse, DruseSpec};
 pub use eval::{Candidate, Hit, HitKind, Look, SectionKind, Side};
 pub use far::{Far, Filtered, Footprint, fade, filtered};
 pub use fibres::{Fibres, FibresSpec};
 pub use filling::{Filling, Layer};
+pub use mottle::{Mottle, Mottled, Pattern, Waves, Wavy};
 pub use openness::with_interreflection;
+pub use outlines::{Outline, outlines};
+pub use rings::{Knots, Pores, Rings, RingsSpec};
+pub use scales::{Mixing, Scales, Size};
+pub use sections::Sections;
 pub use spec::{Axis, Chance, Contact, Ends, GrainSpec, LatticeAxes, Polyhedron, Profile, Shape};
+pub use trabeculae::{Field, Skeleton, Trabeculae, TrabeculaeSpec};
 
 use crate::Result;
 use crate::math::{DMat3, DVec3, Vec3};
@@ -145,7 +179,7 @@ fn place_of(q: DVec3) -> ([i32; 3], Vec3) {
 }
 
 /// The model's directions from a lattice's.
-fn lattice_rotation(axes: LatticeAxes) -> DMat3 {
+pub(in crate::section) fn lattice_rotation(axes: LatticeAxes) -> DMat3 {
     match axes {
         LatticeAxes::Model => DMat3::IDENTITY,
         LatticeAxes::Turned => turned(),

@@ -45,6 +45,58 @@ impl Rod {
     }
 }
 
+impl Rod {
+    /// [`Convex::exit`] of the first `n` places, side by side, to the bit: rounded rims are left to it.
+    #[inline(always)]
+    pub(super) fn exits<const N: usize>(&self, places: &[Vec3; N], t: Vec3, n: usize, out: &mut [Exit; N]) {
+        let slope = t.dot(self.axis);
+        let a = 1.0 - slope * slope;
+        let tip = self.axis * slope.signum();
+        let inner = self.radius - self.rounding;
+        let (has_side, squared) = (a > 1e-7, self.radius * self.radius);
+        let [mut x, mut y, mut z] = [[0.0f32; N]; 3];
+        for i in 0..N {
+            (x[i], y[i], z[i]) = (places[i].x, places[i].y, places[i].z);
+        }
+        let (mut distance, mut normal, mut is_sharp) = ([0.0f32; N], [[0.0f32; N]; 3], [true; N]);
+        for i in 0..N {
+            let m = Vec3::new(x[i], y[i], z[i]);
+            let along = m.dot(self.axis);
+            // `far_root`, by selection.
+            let (b, c) = (m.dot(t) - along * slope, m.dot(m) - along * along - squared);
+            let c = c.min(0.0);
+            let root = (b * b - a * c).max(0.0).sqrt();
+            let far = if b > 0.0 { -c / (b + root) } else { (root - b) / a };
+            let far = if far > 0.0 { far } else { 0.0 };
+            let side = if has_side { far } else { f32::INFINITY };
+            let to_end = if slope > 0.0 { self.half - along } else { -self.half - along };
+            let end = if slope == 0.0 { f32::INFINITY } else { to_end / slope };
+            let is_end = end < side;
+            let way = if is_end { end.max(0.0) } else { side };
+            let q = m + t * way;
+            let foot = q.dot(self.axis);
+            let off = q - self.axis * foot;
+            let dome = q - self.axis * along;
+            let flat = if self.domed { dome } else { tip };
+            let v = if is_end { flat } else { off };
+            let per = 1.0 / v.length();
+            let is_long = per.is_finite() & (per > 0.0);
+            distance[i] = way;
+            normal[0][i] = if is_long { v.x * per } else { t.x };
+            normal[1][i] = if is_long { v.y * per } else { t.y };
+            normal[2][i] = if is_long { v.z * per } else { t.z };
+            is_sharp[i] = (foot.abs() <= self.half - self.rounding) | (q.dot(q) - foot * foot <= inner * inner);
+        }
+        for i in 0..n {
+            let normal = Vec3::new(normal[0][i], normal[1][i], normal[2][i]);
+            out[i] = match self.rounding > 0.0 && !is_sharp[i] {
+                true => newton_exit(self, places[i], t, distance[i]),
+                false => Exit { distance: distance[i], normal },
+            };
+        }
+    }
+}
+
 impl Convex for Rod {
     fn reach(&self) -> f32 {
         (self.half * self.half + self.radius * self.radius).sqrt()

@@ -69,9 +69,9 @@ pub enum Ends {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
     /// Unit normals and distances from the centre, model units.
-    pub(super) faces: Arc<[Vec4]>,
+    pub(in crate::section) faces: Arc<[Vec4]>,
     /// Corners.
-    pub(super) corners: Arc<[Vec3]>,
+    pub(in crate::section) corners: Arc<[Vec3]>,
 }
 
 impl Polyhedron {
@@ -120,6 +120,11 @@ impl Polyhedron {
             faces: planes.iter().map(|f| f.as_vec4()).collect(),
             corners: corners.iter().map(|p| p.as_vec3()).collect(),
         })
+    }
+
+    /// Distance of the nearest face from the centre.
+    pub fn inradius(&self) -> f32 {
+        self.faces.iter().map(|f| f.w).fold(f32::INFINITY, f32::min)
     }
 
     /// A regular one with 4, 6, 8, 12 or 20 faces at a distance from its centre.
