@@ -5,7 +5,7 @@ use crate::report;
 use anyhow::{Context, Result};
 use impasto::assets::files;
 use impasto::par::Workers;
-use impasto::recipe::{self, Recipe, output, text};
+use impasto::recipe::{self, Input, Recipe, output, text};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -18,6 +18,7 @@ include!(concat!(env!("OUT_DIR"), "/gallery_recipes.rs"));
 #[command(after_help = "Examples:
   impasto gallery
   impasto gallery --out pictures --size 1600x1200
+  impasto gallery --only section --models ~/scans
   impasto gallery --only filters")]
 pub(crate) struct Args {
     /// Where to.
@@ -29,9 +30,13 @@ pub(crate) struct Args {
     /// Only recipes whose path contains this.
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
+    /// Where models of the community lie, in any folder of it: pictures after papers then show the papers' own, such as
+    /// bun_zipper.ply, in place of built-in solids.
+    #[arg(long, value_name = "DIR")]
+    models: Option<PathBuf>,
 }
 
-/// How much larger than its test picture a recipe is shown.
+/// How much larger than its test picture a recipe is shown, unless it says so itself.
 const ENLARGED: u32 = 3;
 
 pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
@@ -44,7 +49,15 @@ pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
         bar.set_message(path.to_owned());
         let mut recipe = text::parse(source, Path::new(path))?;
         let [w, h] = recipe.picture.size.unwrap_or([320, 240]);
-        let enlarged = if recipe.gallery.pixels == Some(true) { 1 } else { ENLARGED };
+        let enlarged = match recipe.gallery.pixels {
+            Some(true) => 1,
+            _ => recipe.gallery.enlarge.unwrap_or(ENLARGED).clamp(1, 8),
+        };
+        if let (Some(name), Some(folder)) = (&recipe.gallery.model, &args.models)
+            && let Some(model) = find(folder, name)
+        {
+            recipe.input = Input { file: Some(std::path::absolute(model)?.display().to_string()), ..Input::default() };
+        }
         recipe.picture.size = Some(args.size.map_or([w * enlarged, h * enlarged], |s| [s.width, s.height]));
         let picture = picture(&mut recipe, path, &args.out, workers).with_context(|| path.to_owned())?;
         panels.push(Panel { path, recipe, source, picture });
@@ -56,6 +69,14 @@ pub(crate) fn run(args: &Args, workers: &Workers) -> Result<()> {
     files::write_atomically(&index, |w| w.write_all(page.as_bytes()))?;
     let (n, time) = (panels.len(), report::seconds(start.elapsed()));
     report::out(&format!("{n} pictures in {time}; open {}", index.display()))
+}
+
+/// A file of this name in a folder or those within it, the first by their names.
+fn find(folder: &Path, name: &str) -> Option<PathBuf> {
+    let mut entries: Vec<PathBuf> = std::fs::read_dir(folder).ok()?.flatten().map(|e| e.path()).collect();
+    entries.sort();
+    let here = entries.iter().find(|p| p.is_file() && p.file_name().is_some_and(|n| n == name));
+    here.cloned().or_else(|| entries.iter().filter(|p| p.is_dir()).find_map(|p| find(p, name)))
 }
 
 /// Makes a recipe's picture in the folder; answers with its file name.

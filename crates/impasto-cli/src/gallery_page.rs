@@ -22,7 +22,7 @@ impl Panel<'_> {
 }
 
 /// Topics in the page's order: folder, heading, and a sentence about them.
-const TOPICS: [(&str, &str, &str); 12] = [
+const TOPICS: [(&str, &str, &str); 13] = [
     ("hero", "Impasto", ""),
     ("samples", "Surfaces by formula", "Everything here is drawn from these; no file is read."),
     (
@@ -46,6 +46,7 @@ const TOPICS: [(&str, &str, &str); 12] = [
     ("backgrounds", "Before what", "Backgrounds by name, and transparent pictures."),
     ("data", "Data on surfaces", "Colour codes, isolines, filters and cuts: numbers one can read off the picture."),
     ("section", "Cut open", "Both halves of a body filled with particles, after Li 2022: torn, hollow, solid."),
+    ("grains", "What is inside", "Grains by name, in bodies made by formula. Each is a text file of a page."),
     ("information", "Textures as information", "The buffer behind a picture: every pixel knows its texel."),
 ];
 

@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod completions;
 mod cut;
+mod cut_out;
 mod gallery;
 mod gallery_page;
 mod info;
@@ -51,7 +52,7 @@ enum Command {
     Probe(probe::Args),
     Check(check::Args),
     Turntable(turntable::Args),
-    Cut(cut::Args),
+    Cut(Box<cut::Args>),
     Run(run::Args),
     Gallery(gallery::Args),
     Bench(bench::Args),

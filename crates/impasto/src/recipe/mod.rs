@@ -9,7 +9,7 @@ mod change;
 pub mod check;
 pub mod cut;
 pub mod data;
-mod laid_open;
+pub mod grain;
 pub mod layer;
 pub mod legend;
 pub mod output;
@@ -115,10 +115,19 @@ pub struct CutRecipe {
     pub at: Option<f32>,
     /// A point that the cut goes through, in place of `at`.
     pub through: Option<[f32; 3]>,
-    /// What becomes of particles: `tear` (they stay whole, the default), `hollow` or `solid`.
+    /// The first cut rough: height and width of its hills, as shares of the model's size. Its caps are flat.
+    pub rough: Option<[f32; 2]>,
+    /// The first cut along a line: corners in the plane of `normal`, as shares of the model's size from its middle; pushed
+    /// through along the normal. Its caps are flat.
+    pub stroke: Option<Vec<[f32; 2]>>,
+    /// More cuts, each through all pieces so far: `X,Y,Z` (a normal) or `X,Y,Z@FRACTION`.
+    pub then: Vec<String>,
+    /// What becomes of particles: `tear` (they stay whole), `hollow`, `solid`, or `each` for a row of each; absent: what
+    /// suits the grain, of particles `tear`.
     pub kind: Option<String>,
-    /// `sphere` (the default), `ellipsoid`, `cylinder`, `capsule`, `box`, `superquadric`, `tetrahedron`, `cube`, `octahedron`,
-    /// `dodecahedron`, `icosahedron`, or `none` for a plain cut.
+    /// What fills the model: particles of a shape (`sphere`, the default, `ellipsoid`, `cylinder`, `capsule`, `box`,
+    /// `superquadric`, `tetrahedron`, `cube`, `octahedron`, `dodecahedron`, `icosahedron`), `cells`, `fibres`, a grain by
+    /// name (`granite`, `wood`, ...), a grain file `NAME.toml`, or `none` for a plain cut.
     pub grain: Option<String>,
     /// Between particles; absent: 3 % of the scene's largest extent.
     pub spacing: Option<f32>,
@@ -146,6 +155,11 @@ pub struct CutRecipe {
     pub relief: Option<String>,
     /// `a` (below the cut, on the left), `b`, or `both` (the default).
     pub half: Option<String>,
+    /// How a picture shows the pieces: `open` (side by side, sections to the front) or `apart` (drawn apart where they
+    /// were; the default after more than one cut).
+    pub layout: Option<String>,
+    /// How far apart, as a share of the model's size; absent: 0.35.
+    pub apart: Option<f32>,
     /// Colour between the particles.
     pub matrix: Option<String>,
     /// Colour of the particles; absent: some colours, by particle.
@@ -307,6 +321,8 @@ pub struct TurntableRecipe {
     pub watch_range: Option<[[f64; 2]; 2]>,
     /// The `level` of the first isolines moves from the one to the other: all lines wander.
     pub watch_level: Option<[f64; 2]>,
+    /// The cut's `at` moves from the one to the other.
+    pub watch_cut: Option<[f64; 2]>,
 }
 
 /// Where the gallery's page puts a picture, and what it stands beside.
@@ -319,10 +335,14 @@ pub struct GalleryPlace {
     pub strip: Option<String>,
     /// The label under the panel of a strip.
     pub label: Option<String>,
+    /// A well-known file that `impasto gallery --models` shows in place of the input, if it finds it.
+    pub model: Option<String>,
     /// At the head of the page.
     pub hero: Option<bool>,
     /// Show it as small as it is, each pixel a square: for what happens between pixels.
     pub pixels: Option<bool>,
+    /// How much larger than it is the page shows it; absent: 3.
+    pub enlarge: Option<u32>,
     /// What the page shows instead of the picture: `info-texture`.
     pub show: Option<String>,
 }

@@ -4,7 +4,7 @@ use crate::assets::{AlphaMode, Mesh, Scene, TextureImage};
 use crate::color::LinearRgba;
 use crate::error::{Error, Mended, Report, Result, note};
 use crate::lookup::{ImageTexture, Layer, Look, Looks, Operator, Prepare, Shading, Target, Texture, TextureId, Usage};
-use crate::math::{Mat4, Size, Vec3};
+use crate::math::{Mat4, Size, Vec3, exact};
 use crate::par::Workers;
 use crate::picture::legend::LegendLayout;
 use crate::picture::sphere_texture::Material;
@@ -18,6 +18,7 @@ use crate::recipe::source::Surroundings;
 use crate::recipe::view::Frame;
 use crate::recipe::words::{choose, color, impossible};
 use crate::recipe::{CameraRecipe, Recipe, SurfaceRecipe, View, cut, legend, source, stack, view};
+use crate::section::cut::CAP_NAME;
 use crate::visibility::{Camera, Samples};
 use std::path::Path;
 use std::sync::Arc;
@@ -119,7 +120,7 @@ fn prepare_seen(
     let background = view::background(&recipe.picture)?;
 
     let scene = match &recipe.cut {
-        Some(cut) => cut::open(cut, scene, on_seed(recipe))?,
+        Some(cut) => cut::open(cut, scene, (base, on_seed(recipe)), size.width.max(size.height), workers)?,
         None => scene,
     };
     let Report { value: mut scene, mut mended } = scene;
@@ -254,12 +255,23 @@ fn size(recipe: &Recipe) -> Result<Size> {
 
 impl Recipe {
     /// The camera; what is cut open it looks into.
-    fn seen_from(&self) -> CameraRecipe {
+    pub(super) fn seen_from(&self) -> CameraRecipe {
         let mut camera = self.camera.clone();
-        if self.cut.is_some() && camera.view.is_none() {
+        let (Some(cut), None, None) = (&self.cut, &camera.view, &camera.eye) else { return camera };
+        if cut.is_laid_open() {
             camera.view = Some("front".into());
             camera.elevation = camera.elevation.or(Some(14.0));
+            return camera;
         }
+        // Beside the way in which the pieces come apart, so that both their sections and what is between them are seen.
+        let [x, y, z] = cut.direction();
+        let off = if cut.half.as_deref().is_none_or(|h| h == "both") { 50.0 } else { 32.0 };
+        let is_upright = y.abs() > 0.9 * (x * x + z * z).sqrt();
+        let facing = if cut.half.as_deref() == Some("b") { -1.0 } else { 1.0 };
+        let azimuth =
+            if is_upright { 0.0 } else { exact::atan2((facing * x) as f64, (facing * z) as f64).to_degrees() };
+        camera.azimuth = camera.azimuth.or(Some(azimuth as f32 - off));
+        camera.elevation = camera.elevation.or(Some(if is_upright && facing * y > 0.0 { 35.0 } else { 18.0 }));
         camera
     }
 
@@ -311,7 +323,13 @@ fn looks(
         }
         _ => Looks::from_scene(on.scene),
     };
-    surface(&recipe.surface, &mut looks)?;
+    // What a cut lays bare has colours of its own.
+    let is_cap = |part: &crate::assets::Part| recipe.cut.is_some() && part.name == CAP_NAME;
+    let caps: Vec<usize> = (on.scene.mesh.parts().iter().zip(&looks.look_of_part))
+        .filter(|(part, _)| is_cap(part))
+        .map(|(_, look)| *look as usize)
+        .collect();
+    surface(&recipe.surface, &mut looks, &caps)?;
     let on = &stack::Ground { ball: ball(&recipe.surface, &looks), ..*on };
     if let Some(name) = &recipe.input.texture {
         let image = source::image(name, on.base, (None, on.seed), mended)?;
@@ -334,8 +352,8 @@ fn looks(
     Ok((lay(looks, &layers), textures, on.ball))
 }
 
-/// Constants that the recipe sets, in every look.
-fn surface(recipe: &SurfaceRecipe, looks: &mut Looks) -> Result<()> {
+/// Constants that the recipe sets, in every look; in those of `caps` only how they are shaded.
+fn surface(recipe: &SurfaceRecipe, looks: &mut Looks, caps: &[usize]) -> Result<()> {
     let rgba = recipe.color.as_deref().map(|c| color("surface color", c)).transpose()?;
     let unit = |what: &str, x: Option<f32>| match x {
         Some(x) if !(0.0..=1.0).contains(&x) => Err(impossible(what, x, "0 to 1")),
@@ -353,7 +371,11 @@ fn surface(recipe: &SurfaceRecipe, looks: &mut Looks) -> Result<()> {
             Some(choose("alpha_mode", given, &modes)?)
         }
     };
-    for look in &mut looks.looks {
+    for (i, look) in looks.looks.iter_mut().enumerate() {
+        look.shading = shading.unwrap_or(look.shading);
+        if caps.contains(&i) {
+            continue;
+        }
         if let Some(rgba) = rgba {
             look.layers.retain(|l| l.target != Target::Color);
             look.constants.color = rgba;
@@ -370,7 +392,6 @@ fn surface(recipe: &SurfaceRecipe, looks: &mut Looks) -> Result<()> {
             look.layers.retain(|l| l.target != Target::Metalness);
             look.constants.metalness = metalness;
         }
-        look.shading = shading.unwrap_or(look.shading);
         look.alpha_mode = mode.unwrap_or(look.alpha_mode);
         look.is_double_sided = recipe.double_sided.unwrap_or(look.is_double_sided);
         look.uses_vertex_colors = recipe.vertex_colors.unwrap_or(look.uses_vertex_colors);

@@ -9,6 +9,11 @@ use std::path::Path;
 /// # Errors
 /// `Format` with line and column, in one line.
 pub fn parse(text: &str, path: &Path) -> Result<Recipe> {
+    parse_as(text, path)
+}
+
+/// Any form of TOML, with the same errors.
+pub(super) fn parse_as<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T> {
     toml::from_str(text).map_err(|e| {
         let place = e.span().map(|span| {
             let before = &text[..span.start.min(text.len())];

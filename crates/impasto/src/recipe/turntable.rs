@@ -1,6 +1,7 @@
 //! A walk around the object, or the wandering of a range or of isolines, as a moving picture.
 
 use crate::assets::animation::{self, Clip, Timing};
+use crate::assets::{RawMesh, Scene};
 use crate::error::{Mended, Result};
 use crate::math::{Mat4, Vec3, exact};
 use crate::par::Workers;
@@ -48,7 +49,7 @@ impl Turntable {
         let timing = Timing { n_frames: walk.frames.unwrap_or(FRAMES), fps: walk.fps.unwrap_or(FPS) };
         let report = prepare(&recipe.at(0.0)?, base, workers)?;
         let mut prepared = report.value;
-        if watches && !recipe.is_made_for_one_view() {
+        if watches && !recipe.is_made_anew() {
             // The legend's numbers change, and their width with them: it gets the room of the widest.
             for share in [0.25, 0.5, 0.75, 1.0, 0.0] {
                 prepared.change(&recipe.at(share)?)?;
@@ -56,7 +57,17 @@ impl Turntable {
                 prepared.frame = prepared.frame.and(Frame::beside(legend, prepared.size));
             }
         }
-        let (start, middle) = view::turning_view(&recipe.camera, &prepared.scene, prepared.frame.size)?;
+        let (start, middle) = match walk.watch_cut {
+            None => view::turning_view(&recipe.seen_from(), &prepared.scene, prepared.frame.size)?,
+            Some(_) => {
+                // The first frame may show next to nothing: the camera has all of them in view.
+                let scenes =
+                    [0.0, 0.5, 1.0].map(|share| prepare(&recipe.at(share)?, base, workers).map(|p| p.value.scene));
+                let [first, second, third] = scenes;
+                let all = together([first?, second?, third?]);
+                view::turning_view(&recipe.at(0.0)?.seen_from(), &all, prepared.frame.size)?
+            }
+        };
         prepared.view = View::Camera(start);
         Ok((Self { prepared, timing, turn: turn.to_radians(), start, middle, base: base.into() }, report.mended))
     }
@@ -110,7 +121,7 @@ impl Turntable {
 
     /// Moves the camera, and with it the lights that stand by the camera.
     fn look_from(&mut self, recipe: &Recipe, camera: Camera, workers: &Workers) -> Result<()> {
-        if recipe.is_made_for_one_view() {
+        if recipe.is_made_anew() {
             self.prepared = prepare_from(recipe, &self.base, Some(camera), workers)?.value;
             return Ok(());
         }
@@ -128,11 +139,28 @@ impl Turntable {
 impl TurntableRecipe {
     /// Whether more moves than the camera.
     fn watches(&self) -> bool {
-        self.watch_range.is_some() || self.watch_level.is_some()
+        self.watch_range.is_some() || self.watch_level.is_some() || self.watch_cut.is_some()
     }
 }
 
+/// What several scenes cover, as points.
+fn together(scenes: [Scene; 3]) -> Scene {
+    let mut raw = RawMesh::default();
+    for scene in &scenes {
+        let first = raw.positions.len() as u32;
+        raw.positions.extend(scene.mesh.positions());
+        raw.normals.extend(scene.mesh.normals());
+        raw.triangles.extend(scene.mesh.triangles().iter().map(|t| t.map(|v| v + first)));
+    }
+    Scene::of("all frames", raw.mend().value)
+}
+
 impl Recipe {
+    /// Whether each frame is prepared from the start, as more than light, camera and colours change.
+    fn is_made_anew(&self) -> bool {
+        self.is_made_for_one_view() || self.turntable.watch_cut.is_some()
+    }
+
     /// As it stands at a share of the film, 0 its first frame, 1 its last.
     fn at(&self, share: f64) -> Result<Self> {
         let mut now = self.clone();
@@ -146,6 +174,13 @@ impl Recipe {
         if let Some(levels) = self.turntable.watch_level {
             let lines = now.layers.iter_mut().find(|l| l.isolines.is_some()).ok_or_else(|| none("level"))?;
             lines.level = Some(between(levels));
+        }
+        if let Some(places) = self.turntable.watch_cut {
+            let cut = now.cut.as_mut().ok_or_else(|| impossible("watch", "cut", "the picture has none"))?;
+            cut.at = Some(between(places) as f32);
+            // Pages that are laid out anew would jump from frame to frame.
+            cut.layout.get_or_insert_with(|| "apart".into());
+            cut.half.get_or_insert_with(|| "a".into());
         }
         Ok(now)
     }

@@ -20,7 +20,7 @@ fn check(name: &str, filling: &Filling, plane: &Plane, look: Look) -> usize {
     let mut hits = vec![filling.eval(window.origin, plane, look, &depth); xs.len()];
     let mut n = 0;
     for j in 0..4 {
-        let y = -1.5 + j as f32 * (3.0 / 3.0);
+        let y = -1.5 + j as f32;
         sections.row(crate::par::Level::new(), y, &xs, &mut hits);
         for (&x, got) in xs.iter().zip(&hits) {
             let truth = filling.eval(window.point(vec2(x, y)), plane, look, &depth);
